@@ -1,0 +1,209 @@
+//! Why a blob is refused.
+use core::fmt;
+
+macro_rules! rules {
+    ($($(#[$doc:meta])* $name:ident = $number:literal, $text:literal;)*) => {
+        /// What a blob must fulfil; the numbers are those of `docs/format.md`.
+        #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+        #[non_exhaustive]
+        #[repr(u8)]
+        pub enum Rule { $($(#[$doc])* $name = $number,)* }
+
+        impl Rule {
+            /// Every rule, in the order of the numbers.
+            pub const ALL: &[Self] = &[$(Self::$name),*];
+
+            /// What the rule demands, in a few words.
+            #[must_use]
+            pub const fn text(self) -> &'static str {
+                match self { $(Self::$name => $text,)* }
+            }
+        }
+    };
+}
+
+rules! {
+    /// The bytes hold a whole header and section table.
+    Size = 1, "the bytes hold a whole header and section table";
+    /// The blob starts at a multiple of 4 in memory.
+    Alignment = 2, "the blob starts at a multiple of 4 in memory";
+    /// It begins with `FRAY`.
+    Magic = 3, "the blob begins with FRAY";
+    /// Its format version is one that this library reads.
+    Version = 4, "the format version is one that this library reads";
+    /// The length in the header is the number of bytes.
+    Length = 5, "the length in the header is the number of bytes";
+    /// The structure is known.
+    KindKnown = 6, "the structure is known";
+    /// Reserved words are 0.
+    Reserved = 7, "reserved words are 0";
+    /// Sections are known and in ascending order of number.
+    SectionOrder = 8, "sections are known and in ascending order";
+    /// Each section starts at the first multiple of 64 after what is before it, and the last one ends the blob.
+    SectionPlace = 9, "sections follow each other at multiples of 64 and end with the blob";
+    /// A section holds a whole number of entries.
+    SectionLength = 10, "a section holds a whole number of entries";
+    /// Bounds and local origin are finite and ordered.
+    Bounds = 11, "bounds and local origin are finite and ordered";
+    /// The walk's stack is within the library's.
+    Stack = 12, "the deepest stack is within the library's 64";
+    /// The primitive count is what the sections hold, and below 2^28.
+    PrimCount = 13, "the counts of primitives, references and numbers agree";
+    /// The checksum is that of the bytes.
+    Checksum = 14, "the checksum is that of the bytes";
+    /// Bytes between sections are 0.
+    Padding = 15, "bytes between sections are 0";
+    /// A primitive's numbers are finite, its radii are not negative, its flags are known.
+    PrimShape = 16, "a primitive's numbers are finite and in range";
+    /// A primitive lies inside the bounds of the header.
+    PrimBounds = 17, "a primitive lies inside the header's bounds";
+    /// References run through each kind's primitives in order, each once.
+    RefOrder = 18, "references run through each kind's primitives in order, each once";
+    /// A caller's number is below the primitive count.
+    IdRange = 19, "a caller's number is below the primitive count";
+    /// Nodes stand in walk order: each child's number is one more than the last node before it.
+    NodeOrder = 20, "nodes stand in walk order";
+    /// Leaves hold the primitives in order, from 1 to 15 each, all of them once.
+    LeafOrder = 21, "leaves hold the primitives in order, each once";
+    /// A child's box lies inside its parent's, and contains what is below it.
+    NodeBounds = 22, "a box contains what is below it";
+    /// The deepest stack in the header is the true one.
+    StackTrue = 23, "the deepest stack in the header is the true one";
+    /// The most steps in the header is the true number.
+    StepsTrue = 24, "the most steps in the header is the true number";
+}
+
+impl Rule {
+    /// The rule's number in `docs/format.md`.
+    #[must_use]
+    pub const fn number(self) -> u8 {
+        self as u8
+    }
+}
+
+/// A part of a blob.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+#[repr(u8)]
+pub enum Section {
+    /// The header.
+    Header = 0,
+    /// Triangles, 36 bytes each.
+    Triangles = 1,
+    /// Spheres, 16 bytes each.
+    Spheres = 2,
+    /// Axis-aligned boxes, 24 bytes each.
+    Boxes = 3,
+    /// Cylinders, 32 bytes each.
+    Cylinders = 4,
+    /// Cones, 36 bytes each.
+    Cones = 5,
+    /// One word per slot: which primitive of which kind stands there.
+    Refs = 6,
+    /// One word per slot: the caller's number of that primitive.
+    Ids = 7,
+    /// Nodes of a binary bounding-volume hierarchy, 64 bytes each.
+    BvhNodes = 16,
+    /// The section table.
+    Table = 255,
+}
+
+impl Section {
+    /// The sections that a table may list, in the order in which they must stand.
+    pub const LISTED: [Self; 8] = [
+        Self::Triangles,
+        Self::Spheres,
+        Self::Boxes,
+        Self::Cylinders,
+        Self::Cones,
+        Self::Refs,
+        Self::Ids,
+        Self::BvhNodes,
+    ];
+
+    /// The section's number in the table.
+    #[must_use]
+    pub const fn number(self) -> u32 {
+        self as u32
+    }
+
+    /// The section's name in messages.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Header => "header",
+            Self::Triangles => "triangles",
+            Self::Spheres => "spheres",
+            Self::Boxes => "boxes",
+            Self::Cylinders => "cylinders",
+            Self::Cones => "cones",
+            Self::Refs => "refs",
+            Self::Ids => "ids",
+            Self::BvhNodes => "bvh nodes",
+            Self::Table => "section table",
+        }
+    }
+}
+
+/// The first rule that a blob breaks, and where.
+///
+/// ```
+/// use flashray::{Scene, blob::Rule};
+/// let error = Scene::from_bytes(&[]).unwrap_err();
+/// assert_eq!(error.rule, Rule::Size);
+/// assert_eq!(error.to_string(), "rule 1, header: the bytes hold a whole header and section table (found 0, needed 80)");
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct BlobError {
+    /// The rule.
+    pub rule: Rule,
+    /// The part of the blob.
+    pub section: Section,
+    /// The entry of that part, from 0.
+    pub index: u32,
+    /// What stands there, where a number says it.
+    pub found: u32,
+    /// What was needed: a least, a most or the very number, as the rule says.
+    pub needed: u32,
+}
+
+impl BlobError {
+    #[cold]
+    pub(crate) const fn new(rule: Rule, section: Section) -> Self {
+        Self { rule, section, index: 0, found: 0, needed: 0 }
+    }
+
+    pub(crate) const fn at(mut self, index: u32) -> Self {
+        self.index = index;
+        self
+    }
+
+    pub(crate) const fn found(mut self, found: u32) -> Self {
+        self.found = found;
+        self
+    }
+
+    pub(crate) const fn needed(mut self, needed: u32) -> Self {
+        self.needed = needed;
+        self
+    }
+}
+
+impl fmt::Display for BlobError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "rule {}, {}", self.rule.number(), self.section.name())?;
+        if !matches!(self.section, Section::Header) {
+            write!(f, " entry {}", self.index)?;
+        }
+        write!(f, ": {}", self.rule.text())?;
+        match self.rule {
+            Rule::Checksum | Rule::Magic => {
+                write!(f, " (found {:#010x}, needed {:#010x})", self.found, self.needed)
+            }
+            _ if self.found == 0 && self.needed == 0 => Ok(()),
+            _ => write!(f, " (found {}, needed {})", self.found, self.needed),
+        }
+    }
+}
+
+impl core::error::Error for BlobError {}

@@ -1,0 +1,73 @@
+//! What to build.
+use super::BuildError;
+use crate::blob::Kind;
+use crate::bvh::MAX_LEAF;
+use crate::geom::vec::finite;
+
+/// How a structure chooses its splits.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Rule {
+    /// The textbook's: axes in turn, the box halved, objects to the side of their centre.
+    Seed,
+    /// The surface-area heuristic.
+    Sah,
+}
+
+/// What to build, and how.
+///
+/// ```
+/// use flashray::Kind;
+/// use flashray::build::{Config, Rule};
+/// let config = Config::new(Kind::Bvh).rule(Rule::Seed).leaf(8);
+/// assert_eq!(config.leaf, 8);
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct Config {
+    /// The structure.
+    pub kind: Kind,
+    /// How it splits.
+    pub rule: Rule,
+    /// Most primitives of a leaf, from 1 to 15.
+    pub leaf: u32,
+    /// Subtracted from every coordinate before it is stored, and from every ray's origin: for scenes far from 0.
+    pub local: [f32; 3],
+}
+
+impl Config {
+    /// The defaults: the surface-area heuristic, leaves of up to 8 primitives, no local origin.
+    #[must_use]
+    pub const fn new(kind: Kind) -> Self {
+        Self { kind, rule: Rule::Sah, leaf: 8, local: [0.0; 3] }
+    }
+
+    /// With another rule.
+    #[must_use]
+    pub const fn rule(mut self, rule: Rule) -> Self {
+        self.rule = rule;
+        self
+    }
+
+    /// With leaves of up to so many primitives, from 1 to 15.
+    #[must_use]
+    pub const fn leaf(mut self, leaf: u32) -> Self {
+        self.leaf = leaf;
+        self
+    }
+
+    /// With a local origin.
+    #[must_use]
+    pub fn local(mut self, local: impl Into<[f32; 3]>) -> Self {
+        self.local = local.into();
+        self
+    }
+
+    pub(super) fn check(&self) -> Result<(), BuildError> {
+        match () {
+            () if self.leaf == 0 || self.leaf > MAX_LEAF => Err(BuildError::Leaf { found: self.leaf }),
+            () if !finite(self.local) => Err(BuildError::Local),
+            () => Ok(()),
+        }
+    }
+}

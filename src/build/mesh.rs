@@ -1,0 +1,124 @@
+//! The input of every builder.
+use super::BuildError;
+use crate::blob::MAX_PRIMS;
+use crate::blob::prims::Primitive;
+use crate::geom::vec::{Vec3, sub};
+use crate::geom::{Aabb, Cone, Cylinder, Sphere, Triangle};
+use crate::num::{count, index};
+
+/// A scene to build from, borrowed: triangles by index, and analytic primitives.
+///
+/// Primitives are numbered through: triangles first, then spheres, boxes, cylinders and cones. Triangles without area
+/// are kept, so that numbers stay, and are never hit.
+///
+/// ```
+/// use flashray::Sphere;
+/// use flashray::build::Mesh;
+/// let ball = [Sphere { center: [0.0; 3], radius: 1.0 }];
+/// let mesh = Mesh::new(&[[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]], &[[0, 1, 2]]).spheres(&ball);
+/// assert_eq!(mesh.len(), Ok(2)); // the sphere is primitive 1
+/// ```
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Mesh<'a> {
+    positions: &'a [[f32; 3]],
+    triangles: &'a [[u32; 3]],
+    spheres: &'a [Sphere],
+    boxes: &'a [Aabb],
+    cylinders: &'a [Cylinder],
+    cones: &'a [Cone],
+}
+
+impl<'a> Mesh<'a> {
+    /// Triangles: each names three of the positions.
+    #[must_use]
+    pub const fn new(positions: &'a [[f32; 3]], triangles: &'a [[u32; 3]]) -> Self {
+        Self { positions, triangles, spheres: &[], boxes: &[], cylinders: &[], cones: &[] }
+    }
+
+    /// With spheres.
+    #[must_use]
+    pub const fn spheres(mut self, spheres: &'a [Sphere]) -> Self {
+        self.spheres = spheres;
+        self
+    }
+
+    /// With axis-aligned boxes.
+    #[must_use]
+    pub const fn boxes(mut self, boxes: &'a [Aabb]) -> Self {
+        self.boxes = boxes;
+        self
+    }
+
+    /// With cylinders.
+    #[must_use]
+    pub const fn cylinders(mut self, cylinders: &'a [Cylinder]) -> Self {
+        self.cylinders = cylinders;
+        self
+    }
+
+    /// With truncated cones.
+    #[must_use]
+    pub const fn cones(mut self, cones: &'a [Cone]) -> Self {
+        self.cones = cones;
+        self
+    }
+
+    /// Number of primitives.
+    ///
+    /// # Errors
+    /// [`BuildError::TooLarge`] if there are 2^28 or more.
+    pub fn len(&self) -> Result<u32, BuildError> {
+        let n = self.counts().iter().try_fold(0usize, |sum, &n| sum.checked_add(n));
+        n.filter(|&n| n <= index(MAX_PRIMS)).map(count).ok_or(BuildError::TooLarge)
+    }
+
+    /// Whether there is no primitive.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.counts() == [0; 5]
+    }
+
+    /// Numbers of triangles, spheres, boxes, cylinders and cones.
+    pub(super) const fn counts(&self) -> [usize; 5] {
+        [self.triangles.len(), self.spheres.len(), self.boxes.len(), self.cylinders.len(), self.cones.len()]
+    }
+
+    /// Primitive `number` relative to `local`, and the number of its kind; not checked.
+    ///
+    /// # Errors
+    /// [`BuildError::Index`] if a triangle names a vertex that does not exist.
+    pub(super) fn get(&self, number: u32, local: Vec3) -> Result<(u32, Primitive), BuildError> {
+        let missing = BuildError::Primitive { prim: number };
+        let [triangles, spheres, boxes, cylinders, _] = self.counts();
+        let at = index(number);
+        if at < triangles {
+            return Ok((0, Primitive::Triangle(self.triangle(number, local)?)));
+        }
+        let at = at - triangles;
+        if let Some(p) = self.spheres.get(at) {
+            return Ok((1, Primitive::Sphere(Sphere { center: sub(p.center, local), ..*p })));
+        }
+        let at = at.checked_sub(spheres).ok_or(missing)?;
+        if let Some(p) = self.boxes.get(at) {
+            return Ok((2, Primitive::Box(Aabb { min: sub(p.min, local), max: sub(p.max, local) })));
+        }
+        let at = at.checked_sub(boxes).ok_or(missing)?;
+        if let Some(p) = self.cylinders.get(at) {
+            let (base, top) = (sub(p.base, local), sub(p.top, local));
+            return Ok((3, Primitive::Cylinder(Cylinder { base, top, ..*p })));
+        }
+        let at = at.checked_sub(cylinders).ok_or(missing)?;
+        let p = self.cones.get(at).ok_or(missing)?;
+        let (base, top) = (sub(p.base, local), sub(p.top, local));
+        Ok((4, Primitive::Cone(Cone { base, top, ..*p })))
+    }
+
+    fn triangle(&self, number: u32, local: Vec3) -> Result<Triangle, BuildError> {
+        let vertex = |vertex: u32| {
+            let error = BuildError::Index { triangle: number, vertex, vertices: self.positions.len() };
+            self.positions.get(index(vertex)).map(|&p| sub(p, local)).ok_or(error)
+        };
+        let &[a, b, c] = self.triangles.get(index(number)).ok_or(BuildError::Primitive { prim: number })?;
+        Ok(Triangle { v: [vertex(a)?, vertex(b)?, vertex(c)?] })
+    }
+}

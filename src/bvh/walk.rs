@@ -1,0 +1,98 @@
+//! The walk: depth first, nearer child first.
+//!
+//! `best.t` shrinks as hits are found, and a box that begins beyond it is passed over; one that begins at it is not,
+//! because a primitive there may have the lesser number. The farther child waits on the stack with its near distance,
+//! so that it is dropped without a fetch if a hit came nearer meanwhile. Rule 23 bounds the stack, and a push beyond it
+//! is refused, not trusted.
+use super::{Face, Node, View};
+use crate::blob::MAX_STACK;
+use crate::blob::prims::Prims;
+use crate::geom::ray::Prepared;
+use crate::geom::vec::{least, most};
+use crate::num::index;
+use crate::walk::{Best, Meter, Stop, test};
+
+/// What the box tests of a walk read of the ray: for each axis the row of the nearer and of the farther plane.
+struct Rows {
+    near: [Face; 3],
+    far: [Face; 3],
+}
+
+impl Rows {
+    #[inline(always)]
+    const fn new(ray: &Prepared) -> Self {
+        let (mut near, mut far) = ([Face::MinX, Face::MinY, Face::MinZ], [Face::MaxX, Face::MaxY, Face::MaxZ]);
+        if ray.negative[0] {
+            (near[0], far[0]) = (Face::MaxX, Face::MinX);
+        }
+        if ray.negative[1] {
+            (near[1], far[1]) = (Face::MaxY, Face::MinY);
+        }
+        if ray.negative[2] {
+            (near[2], far[2]) = (Face::MaxZ, Face::MinZ);
+        }
+        Self { near, far }
+    }
+
+    /// The slab test of [`Prepared::slab`] on child `C`, cut to the ray's interval: the same steps in the same order.
+    #[inline(always)]
+    fn slab<const C: usize>(&self, node: &Node, ray: &Prepared, t_max: f32) -> (f32, f32) {
+        let near = |k: usize, t: f32| most(ray.near(k, node.planes[self.near[k] as usize][C]), t);
+        let far = |k: usize, t: f32| least(ray.far(k, node.planes[self.far[k] as usize][C]), t);
+        (near(2, near(1, near(0, ray.t_min))), far(2, far(1, far(0, t_max))))
+    }
+}
+
+/// Finds the closest hit, or with `ANY` whether there is one. Returns whether the walk ended at a hit.
+///
+/// # Errors
+/// [`Stop`] if the meter runs out or the bytes contradict themselves.
+#[inline]
+pub fn walk<const ANY: bool>(
+    view: &View<'_>,
+    prims: &Prims<'_>,
+    ray: &Prepared,
+    best: &mut Best,
+    meter: &mut impl Meter,
+) -> Result<bool, Stop> {
+    let rows = Rows::new(ray);
+    let mut stack = heapless::Vec::<_, { index(MAX_STACK) }>::new();
+    let mut at = view.root(prims.len);
+    loop {
+        // Descend, nearer child first, to a leaf or to where both children are missed.
+        let leaf = loop {
+            if !at.is_node() {
+                break at;
+            }
+            if !meter.node() {
+                return Err(Stop::Fuel);
+            }
+            let node = view.nodes.get(index(at.number())).ok_or(Stop::Corrupt)?;
+            let (near0, far0) = rows.slab::<0>(node, ray, best.t);
+            let (near1, far1) = rows.slab::<1>(node, ray, best.t);
+            let [child0, child1] = node.child;
+            match (near0 <= far0, near1 <= far1) {
+                (true, true) => {
+                    let swap = near1 < near0;
+                    let (first, later) = if swap { (child1, (child0, near0)) } else { (child0, (child1, near1)) };
+                    stack.push(later).map_err(|_| Stop::Corrupt)?;
+                    at = first;
+                }
+                (true, false) => at = child0,
+                (false, true) => at = child1,
+                (false, false) => break super::Child::NONE,
+            }
+        };
+        if leaf.len() > 0 && test::<ANY>(prims, (leaf.number(), leaf.len()), ray, best, meter)? {
+            return Ok(true);
+        }
+        // Go on with the latest waiting child that is not beyond the best hit.
+        at = loop {
+            match stack.pop() {
+                Some((child, near)) if near <= best.t => break child,
+                Some(_) => {}
+                None => return Ok(false),
+            }
+        };
+    }
+}

@@ -1,0 +1,41 @@
+//! Plain values and the tests of a ray against one of them: no bytes, no trees.
+//!
+//! # The contract
+//! Every structure of this crate answers as a list of these tests would, bit for bit. So the rules live here:
+//!
+//! 1. A hit counts if its `t` lies in `[t_min, t_max]`, both ends included, in units of `dir`, which need not be
+//!    normalised. Among equal `t` the least primitive number wins.
+//! 2. A ray with a NaN or infinite component in its origin or direction, a zero direction, a NaN in its interval, or
+//!    an empty interval meets nothing. `-0.0` means `0.0`, and no result is ever `-0.0` or NaN.
+//! 3. A primitive counts only if its own bounding box passes the slab test ([`ray::Prepared::slab`]), and `t` is
+//!    clamped into that test's interval. The slab test is *monotone*: the interval of a box inside another lies
+//!    inside the other's interval, because every step of it (subtract, multiply by a constant, compare) is monotone
+//!    in IEEE arithmetic. So no ancestor of a hit primitive can be culled, whatever the tree.
+//! 4. The slab test is *padded*, so that it does not take back what the triangle test accepts. The triangle test
+//!    ([`triangle`]) decides exactly for vertices that rounding has moved, in the two sheared axes, by at most
+//!    `2u |v - o|` (the difference and its rounding) plus `4u |S (v - o)_z|` (shear constant, difference, product,
+//!    sum), `u = 2^-24`. With `|S| <= 1` that is below `6u E` for `E` the largest distance, per axis, from the origin
+//!    to the far side of the scene's bounds. The slab's own three roundings add `3u E`. The pad is `16u E`, plus
+//!    `2u |o|` so that adding it to the origin survives rounding, plus the least normal number for scenes so small
+//!    that products underflow. This holds while `|v - o|` and `S (v - o)` neither overflow nor lose bits to
+//!    underflow: coordinates and origins up to 1e37 in size, and `t` within f32. Beyond that range answers are still
+//!    the same everywhere, and still those of the list, but a crossing may be lost.
+//! 5. Only `+ - * /` and square root reach a result, in the order written, never contracted. Minimum and maximum are
+//!    compare-and-select with the operand that is never NaN second.
+//!
+//! `f32::min`, `max` and fused multiply-add are therefore absent by rule, not by accident.
+
+pub mod aabb;
+pub mod cone;
+pub mod hit;
+pub mod ray;
+pub mod sphere;
+pub mod triangle;
+pub(crate) mod vec;
+
+pub use aabb::Aabb;
+pub use cone::{Cone, Cylinder};
+pub use hit::Hit;
+pub use ray::Ray;
+pub use sphere::Sphere;
+pub use triangle::Triangle;

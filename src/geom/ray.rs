@@ -1,0 +1,212 @@
+//! Rays, and what is computed once per ray.
+use super::aabb::Aabb;
+use super::vec::{Vec3, finite, least, most, size, sub};
+
+/// A ray: the points `origin + t dir` for `t` in `[t_min, t_max]`, both ends included.
+///
+/// `dir` need not be normalised; `t` is in units of it. Any bit pattern is a legal value: a ray that makes no sense
+/// (NaN or infinity in `origin` or `dir`, zero `dir`, `t_min > t_max`, NaN in either) meets nothing.
+///
+/// ```
+/// use flashray::Ray;
+/// let ray = Ray::new([0.0, 0.0, 5.0], [0.0, 0.0, -1.0]);
+/// assert_eq!((ray.t_min, ray.t_max), (0.0, f32::INFINITY));
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Ray {
+    /// Start, in scene units.
+    pub origin: [f32; 3],
+    /// Direction; its length is the unit of `t`.
+    pub dir: [f32; 3],
+    /// Least `t` that counts.
+    pub t_min: f32,
+    /// Greatest `t` that counts; may be infinite.
+    pub t_max: f32,
+}
+
+impl Ray {
+    /// A ray from `origin` along `dir` with `t` from 0 to infinity.
+    pub fn new(origin: impl Into<[f32; 3]>, dir: impl Into<[f32; 3]>) -> Self {
+        Self { origin: origin.into(), dir: dir.into(), t_min: 0.0, t_max: f32::INFINITY }
+    }
+
+    /// The same ray with another interval.
+    ///
+    /// ```
+    /// use flashray::Ray;
+    /// let ray = Ray::new([0.0; 3], [1.0, 0.0, 0.0]).within(0.5, 2.0);
+    /// assert_eq!(ray.t_max, 2.0);
+    /// ```
+    #[must_use]
+    pub const fn within(mut self, t_min: f32, t_max: f32) -> Self {
+        self.t_min = t_min;
+        self.t_max = t_max;
+        self
+    }
+}
+
+/// A coordinate axis. An enum rather than a number, so that `array[axis as usize]` needs no bounds check.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(u8)]
+pub enum Axis {
+    /// The first coordinate.
+    X,
+    /// The second coordinate.
+    Y,
+    /// The third coordinate.
+    Z,
+}
+
+impl Axis {
+    /// Its place in a three-component array.
+    #[inline(always)]
+    #[must_use]
+    pub const fn at(self) -> usize {
+        self as usize
+    }
+
+    /// The two axes after this one, in cyclic order.
+    #[inline(always)]
+    #[must_use]
+    pub const fn others(self) -> (Self, Self) {
+        match self {
+            Self::X => (Self::Y, Self::Z),
+            Self::Y => (Self::Z, Self::X),
+            Self::Z => (Self::X, Self::Y),
+        }
+    }
+}
+
+/// Pad of the slab test as a share of the distance to the far side of the scene: 16 half-ulps. See [`super`], rule 4.
+const PAD: f32 = 16.0 / 16_777_216.0;
+/// Share of the origin's own size, so that the pad survives the rounding of `origin + pad`: 2 half-ulps.
+const ORIGIN_PAD: f32 = 2.0 / 16_777_216.0;
+
+/// A ray that makes sense, with what every test of it shares.
+#[derive(Clone, Copy, Debug)]
+pub struct Prepared {
+    /// Origin, relative to the scene's local origin.
+    pub(crate) origin: Vec3,
+    /// The origin as the nearer plane of each axis sees it: moved by the pad so that the plane looks nearer.
+    pub(crate) near_origin: Vec3,
+    /// The origin as the farther plane of each axis sees it: moved by the pad so that the plane looks farther.
+    pub(crate) far_origin: Vec3,
+    /// `1 / dir`; infinite where `dir` is 0.
+    pub(crate) inv: Vec3,
+    /// Whether `dir` is negative, so that a box's greatest plane comes first.
+    pub(crate) negative: [bool; 3],
+    /// The axis on which `dir` is largest, and the two after it.
+    pub(crate) kz: Axis,
+    pub(crate) kx: Axis,
+    pub(crate) ky: Axis,
+    /// `dir` on `kx` and `ky` over `dir` on `kz`: at most 1 in size.
+    pub(crate) shear: [f32; 2],
+    /// Least `t` that counts.
+    pub(crate) t_min: f32,
+    /// Greatest `t` that counts.
+    pub(crate) t_max: f32,
+}
+
+impl Prepared {
+    /// Prepares `ray` against a scene that lies in `bounds`, whose coordinates are relative to `local`.
+    ///
+    /// `None` if the ray makes no sense, and then it meets nothing.
+    #[inline(always)]
+    #[must_use]
+    pub fn new(ray: &Ray, bounds: &Aabb, local: Vec3) -> Option<Self> {
+        // Adding 0.0 turns -0.0 into 0.0, so that the two can not part ways below.
+        let dir = [ray.dir[0] + 0.0, ray.dir[1] + 0.0, ray.dir[2] + 0.0];
+        let origin = sub(ray.origin, local);
+        let largest = size(dir);
+        if !finite(ray.origin) || !finite(dir) || largest == 0.0 || !(ray.t_min <= ray.t_max) {
+            return None;
+        }
+        let kz = match () {
+            () if dir[0].abs() == largest => Axis::X,
+            () if dir[1].abs() == largest => Axis::Y,
+            () => Axis::Z,
+        };
+        let (kx, ky) = kz.others();
+        let inv = [1.0 / dir[0], 1.0 / dir[1], 1.0 / dir[2]];
+        let extent = most(size(sub(bounds.min, origin)), size(sub(bounds.max, origin)));
+        let pad = extent * PAD + f32::MIN_POSITIVE;
+        let mut prepared = Self {
+            origin,
+            near_origin: origin,
+            far_origin: origin,
+            inv,
+            negative: [dir[0] < 0.0, dir[1] < 0.0, dir[2] < 0.0],
+            kz,
+            kx,
+            ky,
+            shear: [dir[kx.at()] / dir[kz.at()], dir[ky.at()] / dir[kz.at()]],
+            t_min: ray.t_min,
+            t_max: ray.t_max,
+        };
+        prepared.pad_axis::<0>(pad);
+        prepared.pad_axis::<1>(pad);
+        prepared.pad_axis::<2>(pad);
+        Some(prepared)
+    }
+
+    /// Moves axis `K`'s two origins apart by the pad, in the directions that widen every slab.
+    #[inline(always)]
+    fn pad_axis<const K: usize>(&mut self, pad: f32) {
+        let o = self.origin[K];
+        let pad = pad + o.abs() * ORIGIN_PAD;
+        let pad = if self.negative[K] { -pad } else { pad };
+        self.near_origin[K] = o + pad;
+        self.far_origin[K] = o - pad;
+    }
+
+    /// *The* slab test: the padded interval of `t` in which the whole line is inside the box; empty if the first
+    /// number is greater than the second.
+    ///
+    /// Every step is monotone, so a box inside another has its interval inside the other's. Where `dir` is 0 on an
+    /// axis the products are infinite, or NaN if the origin lies in a padded plane; a NaN constrains nothing.
+    #[inline(always)]
+    #[must_use]
+    pub fn slab(&self, bounds: &Aabb) -> (f32, f32) {
+        let (mut near, mut far) = (f32::NEG_INFINITY, f32::INFINITY);
+        let mut axis = |k: usize, min: f32, max: f32| {
+            let (first, last) = if self.negative[k] { (max, min) } else { (min, max) };
+            near = most(self.near(k, first), near);
+            far = least(self.far(k, last), far);
+        };
+        axis(0, bounds.min[0], bounds.max[0]);
+        axis(1, bounds.min[1], bounds.max[1]);
+        axis(2, bounds.min[2], bounds.max[2]);
+        (near, far)
+    }
+
+    /// The padded distance to the plane of axis `k` that the ray meets first.
+    #[inline(always)]
+    pub(crate) fn near(&self, k: usize, plane: f32) -> f32 {
+        (plane - self.near_origin[k]) * self.inv[k]
+    }
+
+    /// The padded distance to the plane of axis `k` that the ray meets last.
+    #[inline(always)]
+    pub(crate) fn far(&self, k: usize, plane: f32) -> f32 {
+        (plane - self.far_origin[k]) * self.inv[k]
+    }
+
+    /// Clamps a primitive's `t` into its box's interval and asks whether it counts, up to `t_max`.
+    ///
+    /// `None` too where `t` is NaN or infinite: such a distance has no place in the answer.
+    #[inline(always)]
+    pub(crate) fn admit(&self, t: f32, (near, far): (f32, f32), t_max: f32) -> Option<f32> {
+        let t = if t < near { near } else { t };
+        let t = if t > far { far } else { t } + 0.0;
+        (near <= far && t >= self.t_min && t <= t_max && t.is_finite()).then_some(t)
+    }
+
+    /// `dir` over its largest component (1 on that axis), and what turns a distance in units of it into `t`.
+    #[inline(always)]
+    pub(crate) fn scaled_dir(&self) -> (Vec3, f32) {
+        let mut d = [1.0; 3];
+        d[self.kx.at()] = self.shear[0];
+        d[self.ky.at()] = self.shear[1];
+        (d, self.inv[self.kz.at()])
+    }
+}

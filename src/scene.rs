@@ -1,0 +1,237 @@
+//! A loaded blob, and the queries on it.
+use crate::blob::prims::{Primitive, Prims};
+use crate::blob::{Blob, BlobError, Kind, Rule, Section};
+use crate::geom::ray::Prepared;
+use crate::geom::{Aabb, Hit, Ray};
+use crate::num::count;
+use crate::walk::{Best, Fuel, Meter, Steps, Stop, Tally};
+use crate::{bvh, list};
+
+/// What bounds every query on a blob.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub struct Limits {
+    /// Deepest stack of a walk, in entries; at most [`MAX_STACK`](crate::blob::MAX_STACK).
+    pub stack: u32,
+    /// Most steps of a walk: nodes visited and primitives tested.
+    pub steps: u32,
+}
+
+/// The structure of a blob, by kind.
+#[derive(Clone, Copy, Debug)]
+enum Structure<'a> {
+    List,
+    Bvh(bvh::View<'a>),
+}
+
+/// A scene read in place: it borrows the blob, owns nothing, and can be copied.
+///
+/// Queries never panic, never allocate, and stop within [`Scene::limits`], whatever the ray and whatever the bytes.
+///
+/// ```
+/// # #[cfg(feature = "alloc")] {
+/// use flashray::build::{Config, Mesh, to_vec};
+/// use flashray::{Kind, Ray, Scene};
+///
+/// let mesh = Mesh::new(&[[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]], &[[0, 1, 2]]);
+/// let blob = to_vec(&mesh, &Config::new(Kind::Bvh))?;
+/// let scene = Scene::from_bytes(&blob)?;
+/// let hit = scene.closest_hit(&Ray::new([0.25, 0.25, 5.0], [0.0, 0.0, -1.0])).unwrap();
+/// assert_eq!((hit.t, hit.u, hit.v, hit.prim), (5.0, 0.25, 0.25, 0));
+/// # }
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone, Copy, Debug)]
+pub struct Scene<'a> {
+    prims: Prims<'a>,
+    structure: Structure<'a>,
+    bounds: &'a Aabb,
+    local: [f32; 3],
+    kind: Kind,
+    fuel: u32,
+    limits: Limits,
+}
+
+impl<'a> Scene<'a> {
+    /// Loads a blob after checking everything in it, once: O(n), no heap.
+    ///
+    /// `bytes` must start at a multiple of 4 in memory; at a multiple of 64 it is fastest.
+    ///
+    /// # Errors
+    /// The first rule of `docs/format.md` that the blob breaks, and where.
+    pub fn from_bytes(bytes: &'a [u8]) -> Result<Self, BlobError> {
+        let blob = Blob::parse(bytes)?;
+        blob.check()?;
+        let scene = Self::parse(&blob)?;
+        scene.check(&blob)?;
+        Ok(scene)
+    }
+
+    /// Loads a blob without reading beyond its header and section table: O(1).
+    ///
+    /// Queries are as safe as after [`Scene::from_bytes`], and end within the numbers of nodes and primitives. Only
+    /// their answers are no better than the bytes: use this for blobs that were checked before, or that the firmware
+    /// itself carries.
+    ///
+    /// # Errors
+    /// The first of rules 1 to 13 that the blob breaks.
+    pub fn trust(bytes: &'a [u8]) -> Result<Self, BlobError> {
+        Self::parse(&Blob::parse(bytes)?)
+    }
+
+    fn parse(blob: &Blob<'a>) -> Result<Self, BlobError> {
+        let header = blob.header();
+        let kind = header.kind().ok_or(BlobError::new(Rule::KindKnown, Section::Header))?;
+        let prims = Prims::parse(blob)?;
+        let (structure, nodes) = match kind {
+            Kind::List => (Structure::List, 0),
+            Kind::Bvh => {
+                let view = bvh::View::parse(blob)?;
+                (Structure::Bvh(view), count(view.nodes.len()))
+            }
+        };
+        let fuel = nodes.saturating_add(prims.len);
+        let limits = Limits { stack: header.stack, steps: header.steps };
+        Ok(Self { prims, structure, bounds: &header.bounds, local: header.local, kind, fuel, limits })
+    }
+
+    fn check(&self, blob: &Blob<'a>) -> Result<(), BlobError> {
+        self.prims.check(self.bounds)?;
+        let (stack, steps) = match &self.structure {
+            Structure::List => (0, self.prims.len),
+            Structure::Bvh(view) => view.check(&self.prims, self.bounds)?,
+        };
+        let header = blob.header();
+        let agree = |rule, found: u32, needed: u32| {
+            let error = BlobError::new(rule, Section::Header).found(found).needed(needed);
+            if found == needed { Ok(()) } else { Err(error) }
+        };
+        agree(Rule::StackTrue, header.stack, stack)?;
+        agree(Rule::StepsTrue, header.steps, steps)
+    }
+
+    /// The hit with the least `t` in the ray's interval; among equal `t`, the one with the least primitive number.
+    ///
+    /// `None` if there is none, if the ray makes no sense (see [`Ray`]), or if an unchecked blob contradicts itself.
+    #[inline]
+    #[must_use]
+    pub fn closest_hit(&self, ray: &Ray) -> Option<Hit> {
+        self.query::<false>(ray, &mut Fuel(self.fuel)).unwrap_or(None)
+    }
+
+    /// Whether there is a hit in the ray's interval. Cheaper than asking for the closest.
+    #[inline]
+    #[must_use]
+    pub fn any_hit(&self, ray: &Ray) -> bool {
+        self.query::<true>(ray, &mut Fuel(self.fuel)).is_ok_and(|hit| hit.is_some())
+    }
+
+    /// [`Scene::closest_hit`] that spends at most `fuel` steps: one per node visited and per primitive tested.
+    ///
+    /// # Errors
+    /// [`Stop::Fuel`] if that was not enough; [`Stop::Corrupt`] if an unchecked blob contradicts itself.
+    ///
+    /// ```
+    /// # #[cfg(feature = "alloc")] {
+    /// # use flashray::{*, build::*};
+    /// # let mesh = Mesh::new(&[[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]], &[[0, 1, 2]]);
+    /// # let blob = to_vec(&mesh, &Config::new(Kind::List)).unwrap();
+    /// # let scene = Scene::from_bytes(&blob).unwrap();
+    /// let ray = Ray::new([0.25, 0.25, 5.0], [0.0, 0.0, -1.0]);
+    /// assert_eq!(scene.closest_hit_within(&ray, 0), Err(Stop::Fuel));
+    /// assert!(scene.closest_hit_within(&ray, 1).unwrap().is_some());
+    /// # }
+    /// ```
+    pub fn closest_hit_within(&self, ray: &Ray, fuel: u32) -> Result<Option<Hit>, Stop> {
+        self.query::<false>(ray, &mut Fuel(fuel))
+    }
+
+    /// [`Scene::closest_hit`] together with what it cost.
+    #[must_use]
+    pub fn closest_hit_counted(&self, ray: &Ray) -> (Option<Hit>, Steps) {
+        let mut tally = Tally { fuel: Fuel(self.fuel), steps: Steps::default() };
+        let hit = self.query::<false>(ray, &mut tally).unwrap_or(None);
+        (hit, tally.steps)
+    }
+
+    /// [`Scene::closest_hit`] for many rays: `hits[i]` becomes the answer to `rays[i]`. Of two lengths the lesser counts.
+    pub fn closest_hits(&self, rays: &[Ray], hits: &mut [Option<Hit>]) {
+        for (ray, hit) in rays.iter().zip(hits) {
+            *hit = self.closest_hit(ray);
+        }
+    }
+
+    /// [`Scene::any_hit`] for many rays: `hits[i]` becomes the answer to `rays[i]`. Of two lengths the lesser counts.
+    pub fn any_hits(&self, rays: &[Ray], hits: &mut [bool]) {
+        for (ray, hit) in rays.iter().zip(hits) {
+            *hit = self.any_hit(ray);
+        }
+    }
+
+    #[inline]
+    fn query<const ANY: bool>(&self, ray: &Ray, meter: &mut impl Meter) -> Result<Option<Hit>, Stop> {
+        let Some(ray) = Prepared::new(ray, self.bounds, self.local) else {
+            return Ok(None);
+        };
+        if self.prims.len == 0 {
+            return Ok(None);
+        }
+        let mut best = Best::new(ray.t_max);
+        match &self.structure {
+            Structure::List => list::walk::<ANY>(&self.prims, &ray, &mut best, meter)?,
+            Structure::Bvh(view) => bvh::walk::<ANY>(view, &self.prims, &ray, &mut best, meter)?,
+        };
+        Ok(best.hit())
+    }
+
+    /// What bounds every query, as the header says.
+    #[must_use]
+    pub const fn limits(&self) -> Limits {
+        self.limits
+    }
+
+    /// The structure.
+    #[must_use]
+    pub const fn kind(&self) -> Kind {
+        self.kind
+    }
+
+    /// Number of primitives.
+    #[must_use]
+    pub const fn len(&self) -> u32 {
+        self.prims.len
+    }
+
+    /// Whether there is no primitive.
+    #[must_use]
+    pub const fn is_empty(&self) -> bool {
+        self.prims.len == 0
+    }
+
+    /// The box around all primitives, in blob coordinates: add [`Scene::local_origin`] to get the caller's.
+    #[must_use]
+    pub const fn bounds(&self) -> Aabb {
+        *self.bounds
+    }
+
+    /// What was subtracted from every coordinate when the blob was built; 0 unless asked for.
+    #[must_use]
+    pub const fn local_origin(&self) -> [f32; 3] {
+        self.local
+    }
+
+    /// Every primitive with the caller's number of it, in the structure's order, in blob coordinates.
+    pub fn primitives(&self) -> impl Iterator<Item = (u32, Primitive)> + use<'a> {
+        let prims = self.prims;
+        (0..prims.len).filter_map(move |slot| Some((prims.id(slot), prims.get(slot)?)))
+    }
+
+    /// The hierarchy, if this is one.
+    #[must_use]
+    pub const fn bvh(&self) -> Option<bvh::View<'a>> {
+        match self.structure {
+            Structure::Bvh(view) => Some(view),
+            Structure::List => None,
+        }
+    }
+}

@@ -1,0 +1,63 @@
+//! A run of slots against a ray.
+use super::{Best, Meter, Stop};
+use crate::blob::prims::{Primitive, Prims};
+use crate::geom::hit::Crossing;
+use crate::geom::ray::Prepared;
+use crate::num::{count, index};
+
+/// Tests the primitives in `len` slots from `first`. Returns whether the walk is over: with `ANY`, at the first hit.
+///
+/// # Errors
+/// [`Stop::Fuel`] if the meter does not allow `len` tests, [`Stop::Corrupt`] if the slots do not exist.
+#[inline(always)]
+pub fn test<const ANY: bool>(
+    prims: &Prims<'_>,
+    (first, len): (u32, u32),
+    ray: &Prepared,
+    best: &mut Best,
+    meter: &mut impl Meter,
+) -> Result<bool, Stop> {
+    if !meter.prims(len) {
+        return Err(Stop::Fuel);
+    }
+    if !prims.refs.is_empty() {
+        return mixed::<ANY>(prims, (first, len), ray, best);
+    }
+    let run = prims.triangles.get(index(first)..).and_then(|t| t.get(..index(len))).ok_or(Stop::Corrupt)?;
+    for (i, triangle) in run.iter().enumerate() {
+        if let Some(crossing) = triangle.crossing(ray, best.t) {
+            best.offer(crossing, prims.id(first.wrapping_add(count(i))));
+            if ANY {
+                return Ok(true);
+            }
+        }
+    }
+    Ok(false)
+}
+
+/// The same where other kinds stand among the triangles. Out of line: a scene of triangles alone never gets here.
+#[inline(never)]
+fn mixed<const ANY: bool>(
+    prims: &Prims<'_>,
+    (first, len): (u32, u32),
+    ray: &Prepared,
+    best: &mut Best,
+) -> Result<bool, Stop> {
+    for slot in first..first.saturating_add(len) {
+        let at_t = |t| Crossing { t, u: 0.0, v: 0.0 };
+        let crossing = match prims.get(slot).ok_or(Stop::Corrupt)? {
+            Primitive::Triangle(p) => p.crossing(ray, best.t),
+            Primitive::Sphere(p) => p.crossing(ray, best.t).map(at_t),
+            Primitive::Box(p) => p.crossing(ray, best.t).map(at_t),
+            Primitive::Cylinder(p) => p.as_cone().crossing(ray, best.t).map(at_t),
+            Primitive::Cone(p) => p.crossing(ray, best.t).map(at_t),
+        };
+        if let Some(crossing) = crossing {
+            best.offer(crossing, prims.id(slot));
+            if ANY {
+                return Ok(true);
+            }
+        }
+    }
+    Ok(false)
+}

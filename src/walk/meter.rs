@@ -1,0 +1,66 @@
+//! What a walk may spend, and what it has spent.
+
+/// A budget that every step of a walk is paid from. Returns `false` when it can not pay.
+pub trait Meter {
+    /// A node is visited.
+    fn node(&mut self) -> bool;
+    /// `n` primitives are about to be tested.
+    fn prims(&mut self, n: u32) -> bool;
+}
+
+/// Steps that are left.
+#[derive(Clone, Copy, Debug)]
+pub struct Fuel(pub u32);
+
+impl Fuel {
+    #[inline(always)]
+    fn pay(&mut self, n: u32) -> bool {
+        let enough = n <= self.0;
+        self.0 = self.0.wrapping_sub(n);
+        enough
+    }
+}
+
+impl Meter for Fuel {
+    #[inline(always)]
+    fn node(&mut self) -> bool {
+        self.pay(1)
+    }
+
+    #[inline(always)]
+    fn prims(&mut self, n: u32) -> bool {
+        self.pay(n)
+    }
+}
+
+/// What a query cost.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Steps {
+    /// Nodes visited.
+    pub nodes: u32,
+    /// Primitives tested.
+    pub prims: u32,
+}
+
+/// Fuel that also counts.
+#[derive(Clone, Copy, Debug)]
+pub struct Tally {
+    /// What is left.
+    pub fuel: Fuel,
+    /// What is spent.
+    pub steps: Steps,
+}
+
+impl Meter for Tally {
+    #[inline(always)]
+    fn node(&mut self) -> bool {
+        self.steps.nodes = self.steps.nodes.saturating_add(1);
+        self.fuel.node()
+    }
+
+    #[inline(always)]
+    fn prims(&mut self, n: u32) -> bool {
+        self.steps.prims = self.steps.prims.saturating_add(n);
+        self.fuel.prims(n)
+    }
+}
