@@ -1,1 +1,28 @@
-fn main(){}
+//! The `flashray` command: builds blobs, looks into them, traces and renders with them.
+#![forbid(unsafe_code)]
+
+mod args;
+mod camera;
+mod cmd;
+mod file;
+mod input;
+mod mesh;
+mod soup;
+mod spd;
+
+use clap::Parser;
+use std::process::ExitCode;
+
+/// One line that says what is wrong with the input: which file, where, why.
+type Failure = String;
+
+fn main() -> ExitCode {
+    match args::Args::parse().command.run() {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(failure) => {
+            // A message is one line, whatever went into it.
+            eprintln!("flashray: {}", failure.replace(['\n', '\r'], " "));
+            ExitCode::from(1)
+        }
+    }
+}

@@ -4,7 +4,7 @@ use crate::soup::Soup;
 /// Inputs for each format.
 const INPUTS: u64 = 20_000;
 
-/// A generator of random numbers (SplitMix64) that gives the same ones on every machine.
+/// A generator of random numbers (`SplitMix64`) that gives the same ones on every machine.
 struct Random(u64);
 
 impl Random {
@@ -26,15 +26,17 @@ impl Random {
         match self.below(8) {
             0 => data.truncate(at),
             1 => drop(data.remove(at)),
-            2 => data.insert(at, b"0123456789-+.e/\\ \n\r\t\"[]{},:"[self.below(28)]),
+            2 => data.insert(at, b"0123456789-+.e/\\ \n\r\t\"[]{},:"[self.below(27)]),
             3 => data[at] = [0, 0xff, 0x7f, 0x80][self.below(4)],
             4 => data[at] ^= 1 << self.below(8),
             5 => data[at] = u8::try_from(self.below(256)).unwrap(),
-            6 if data[at].is_ascii_digit() => data[at] = b'0' + u8::try_from(self.below(10)).unwrap(),
+            6 if data[at].is_ascii_digit() => {
+                data[at] = b'0' + u8::try_from(self.below(10)).unwrap();
+            }
             _ => {
                 let end = data.len().min(at + 1 + self.below(8));
                 let copy = data[at..end].to_vec();
-                data.splice(at..at, copy);
+                drop(data.splice(at..at, copy));
             }
         }
     }
@@ -58,12 +60,25 @@ pub fn run(seeds: &[&[u8]], read: impl Fn(&[u8]) -> Result<Soup, String>) {
         match read(&data) {
             Ok(soup) => {
                 accepted += 1;
-                assert!(soup.positions.iter().flatten().all(|value| value.is_finite()));
+                assert!(
+                    soup.positions
+                        .iter()
+                        .flatten()
+                        .all(|value| value.is_finite())
+                );
                 let vertices = u32::try_from(soup.positions.len()).unwrap();
-                assert!(soup.triangles.iter().flatten().all(|index| *index < vertices));
+                assert!(
+                    soup.triangles
+                        .iter()
+                        .flatten()
+                        .all(|index| *index < vertices)
+                );
             }
             Err(error) => assert!(error.len() < 600, "{error}"),
         }
     }
-    assert!(accepted > 0, "every damaged file was refused: the seeds test little");
+    assert!(
+        accepted > 0,
+        "every damaged file was refused: the seeds test little"
+    );
 }

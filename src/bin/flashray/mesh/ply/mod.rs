@@ -1,8 +1,8 @@
 //! PLY, text and binary of either byte order: the vertices and the faces.
 //!
 //! Our own reader rather than ply-rs-bw, because its number grammar refuses `.5` and `1.`, its
-//! header grammar refuses names with a dot and comments that are not UTF-8, it merges elements of
-//! the same name, and its errors do not name the element or the byte.
+//! header grammar refuses names with a dot, comments that are not UTF-8 and lines that end in CR
+//! alone, and it reads two elements of the same name as one.
 mod header;
 mod rows;
 
@@ -19,11 +19,12 @@ pub fn read(data: &[u8]) -> Result<Soup, String> {
     let mut reader = Reader::new(&header)?;
     match header.encoding {
         Encoding::Text => {
-            reader.payload(&header, &mut Text::new(Lines::new(payload, header.lines + 1), payload.len()))?;
+            let lines = Lines::new(payload, header.lines + 1);
+            reader.payload(&header, &mut Text::new(lines, payload.len()))
         }
-        Encoding::Little => reader.payload(&header, &mut Binary::new(data, header.length, false))?,
-        Encoding::Big => reader.payload(&header, &mut Binary::new(data, header.length, true))?,
-    }
+        Encoding::Little => reader.payload(&header, &mut Binary::new(data, header.length, false)),
+        Encoding::Big => reader.payload(&header, &mut Binary::new(data, header.length, true)),
+    }?;
     Ok(reader.sink.finish())
 }
 
@@ -41,7 +42,9 @@ struct Reader {
 impl Reader {
     /// Finds the properties that are needed.
     fn new(header: &Header) -> Result<Self, String> {
-        let vertex = header.element("vertex").ok_or("the header has no vertex element")?;
+        let vertex = header
+            .element("vertex")
+            .ok_or("the header has no vertex element")?;
         let mut axes = [0; 3];
         for (axis, name) in axes.iter_mut().zip(["x", "y", "z"]) {
             *axis = vertex
@@ -57,26 +60,42 @@ impl Reader {
             }
             None => None,
         };
-        Ok(Self { sink: Sink::new(), vertices: vertex.count, axes, corners })
+        Ok(Self {
+            sink: Sink::new(),
+            vertices: vertex.count,
+            axes,
+            corners,
+        })
     }
 
     /// Reads all elements, also those that do not count: a file that ends early is an error.
     fn payload(&mut self, header: &Header, source: &mut impl Source) -> Result<(), String> {
-        for element in header.elements.iter().filter(|element| !element.properties.is_empty()) {
+        for element in header
+            .elements
+            .iter()
+            .filter(|element| !element.properties.is_empty())
+        {
             source.claim(element)?;
-            let is_vertex = element.name == "vertex";
-            let is_face = element.name == "face";
             for number in 0..element.count {
-                let row = source.row();
-                row.and_then(|()| match () {
-                    () if is_vertex => self.vertex(element, source),
-                    () if is_face => self.face(element, source),
-                    () => skip_all(element, source),
-                })
-                .map_err(|why| format!("{} {number} ({}): {why}", element.name, source.place()))?;
+                self.row(element, source).map_err(|why| {
+                    format!("{} {number} ({}): {why}", element.name, source.place())
+                })?;
             }
         }
         Ok(())
+    }
+
+    /// Reads a row.
+    fn row(&mut self, element: &Element, source: &mut impl Source) -> Result<(), String> {
+        source.row()?;
+        match element.name.as_str() {
+            "vertex" => self.vertex(element, source),
+            "face" => self.face(element, source),
+            _ => element
+                .properties
+                .iter()
+                .try_for_each(|property| skip(property, source)),
+        }
     }
 
     /// Reads a vertex.
@@ -124,7 +143,8 @@ impl Reader {
 /// Which property of `face` lists its corners.
 fn corners_of(face: &Element) -> Result<usize, String> {
     let is_corners = |property: &Property| {
-        property.list.is_some() && matches!(property.name.as_str(), "vertex_indices" | "vertex_index")
+        property.list.is_some()
+            && matches!(property.name.as_str(), "vertex_indices" | "vertex_index")
     };
     let (index, property) = face
         .properties
@@ -133,14 +153,12 @@ fn corners_of(face: &Element) -> Result<usize, String> {
         .find(|(_, property)| is_corners(property))
         .ok_or("the face element has no list vertex_indices or vertex_index")?;
     if !property.kind.is_whole() {
-        return Err(format!("the list {} of the face element is not of whole numbers", property.name));
+        return Err(format!(
+            "the list {} of the face element is not of whole numbers",
+            property.name
+        ));
     }
     Ok(index)
-}
-
-/// Skips a row.
-fn skip_all(element: &Element, source: &mut impl Source) -> Result<(), String> {
-    element.properties.iter().try_for_each(|property| skip(property, source))
 }
 
 /// Skips a property.

@@ -49,13 +49,21 @@ pub struct Text<'a> {
 impl<'a> Text<'a> {
     /// The rows in `lines`, which have `length` bytes together.
     pub const fn new(lines: Lines<'a>, length: usize) -> Self {
-        Self { lines, length, number: 0, rest: &[] }
+        Self {
+            lines,
+            length,
+            number: 0,
+            rest: &[],
+        }
     }
 
     /// The next word of the row.
     fn word(&mut self) -> Result<&'a [u8], String> {
         let line = self.rest.trim_ascii_start();
-        let end = line.iter().position(u8::is_ascii_whitespace).unwrap_or(line.len());
+        let end = line
+            .iter()
+            .position(u8::is_ascii_whitespace)
+            .unwrap_or(line.len());
         let (word, rest) = line.split_at(end);
         self.rest = rest;
         if word.is_empty() {
@@ -127,7 +135,10 @@ impl<'a> Binary<'a> {
     fn bytes<const N: usize>(&mut self) -> Result<[u8; N], String> {
         let rest = self.data.get(self.at..).unwrap_or_default();
         let mut bytes = *rest.first_chunk::<N>().ok_or_else(|| {
-            format!("the file ends: {N} bytes are needed, {} remain", self.remain())
+            format!(
+                "the file ends: {N} bytes are needed, {} remain",
+                self.remain()
+            )
         })?;
         self.at += N;
         if self.is_big {
@@ -179,14 +190,16 @@ impl Source for Binary<'_> {
 
     fn skip(&mut self, count: u64, kind: Kind) -> Result<(), String> {
         let remain = self.remain();
-        let bytes = usize::try_from(count).ok().and_then(|count| count.checked_mul(kind.size()));
-        match bytes.filter(|bytes| *bytes <= remain) {
-            Some(bytes) => self.at += bytes,
-            None => {
-                let size = kind.size();
-                return Err(format!("{count} numbers of {size} bytes are needed, {remain} bytes remain"));
-            }
-        }
+        let bytes = usize::try_from(count)
+            .ok()
+            .and_then(|count| count.checked_mul(kind.size()));
+        let Some(bytes) = bytes.filter(|bytes| *bytes <= remain) else {
+            let size = kind.size();
+            return Err(format!(
+                "{count} numbers of {size} bytes are needed, {remain} bytes remain"
+            ));
+        };
+        self.at += bytes;
         Ok(())
     }
 
@@ -195,7 +208,9 @@ impl Source for Binary<'_> {
         let (size, remain) = (items.size(), self.remain());
         let fits = usize::try_from(count).is_ok_and(|count| count <= remain / size);
         if !fits {
-            return Err(format!("a list of {count} items of {size} bytes, {remain} bytes remain"));
+            return Err(format!(
+                "a list of {count} items of {size} bytes, {remain} bytes remain"
+            ));
         }
         Ok(count)
     }

@@ -1,0 +1,4 @@
+//! See `flashray_fuzz::trace`: it lives in the library so that crash files can be replayed without libFuzzer.
+#![no_main]
+
+libfuzzer_sys::fuzz_target!(|data: &[u8]| flashray_fuzz::trace::run(data));

@@ -1,0 +1,192 @@
+//! Arbitrary soup, every structure and rule against the list, bit for bit.
+//!
+//! Data: how to build, four rays, then the soup.
+use crate::judge::{Judge, same};
+use crate::rays::{Number, Spec, specs};
+use arbitrary::{Arbitrary, Result, Unstructured};
+use flashray::blob::Buffer;
+use flashray::build::{Arena, BuildError, Config, Mesh, Needs, Ref, Rule, into, to_vec};
+use flashray::bvh::Node;
+use flashray::{Aabb, Cone, Cylinder, Hit, Kind, Ray, Scene, Sphere};
+
+/// Rays of one run.
+const RAYS: usize = 4;
+/// Most primitives of a soup, and room in the arenas.
+const PRIMS: usize = 64;
+
+/// Every way to build.
+const BUILDS: [(Kind, Rule); 3] = [(Kind::List, Rule::Sah), (Kind::Bvh, Rule::Seed), (Kind::Bvh, Rule::Sah)];
+
+/// One run.
+pub fn run(data: &[u8]) {
+    let _ = attempt(&mut Unstructured::new(data));
+}
+
+/// How coordinates are made.
+#[derive(Arbitrary, Clone, Copy, Debug)]
+struct Style {
+    /// Low 2 bits: integers of a small grid, shares of 256, or anything; bit 2 scales.
+    how: u8,
+    scale: i8,
+    /// Side of the grid: the smaller, the more coincides.
+    side: u8,
+}
+
+impl Style {
+    fn number(self, u: &mut Unstructured<'_>) -> Result<f32> {
+        let scale = if self.how & 4 == 0 { 1.0 } else { f32::from(self.scale).exp2() };
+        let x = match self.how & 3 {
+            0 | 1 => f32::from(u.arbitrary::<u8>()? % (self.side % 16 + 2)),
+            2 => f32::from(u.arbitrary::<i16>()?) / 256.0,
+            _ => return Ok(u.arbitrary::<Number>()?.finite()),
+        };
+        Ok(x * scale)
+    }
+
+    fn point(self, u: &mut Unstructured<'_>) -> Result<[f32; 3]> {
+        Ok([self.number(u)?, self.number(u)?, self.number(u)?])
+    }
+
+    fn radius(self, u: &mut Unstructured<'_>) -> Result<f32> {
+        Ok(self.number(u)?.abs())
+    }
+}
+
+/// What a mesh borrows.
+#[derive(Debug, Default)]
+struct Soup {
+    positions: Vec<[f32; 3]>,
+    triangles: Vec<[u32; 3]>,
+    spheres: Vec<Sphere>,
+    boxes: Vec<Aabb>,
+    cylinders: Vec<Cylinder>,
+    cones: Vec<Cone>,
+}
+
+impl Soup {
+    fn new(u: &mut Unstructured<'_>, style: Style) -> Result<Self> {
+        let mut soup = Self::default();
+        let vertices = usize::from(u.arbitrary::<u8>()? % 32);
+        for _ in 0..vertices {
+            soup.positions.push(style.point(u)?);
+        }
+        for _ in 0..PRIMS {
+            if u.is_empty() {
+                break;
+            }
+            soup.primitive(u, style)?;
+        }
+        Ok(soup)
+    }
+
+    fn primitive(&mut self, u: &mut Unstructured<'_>, style: Style) -> Result<()> {
+        let tag = u.arbitrary::<u8>()?;
+        let caps = u32::from(tag >> 4 & 1);
+        match tag % 16 {
+            0 => self.spheres.push(Sphere { center: style.point(u)?, radius: style.radius(u)? }),
+            1 => self.boxes.push(Aabb::EMPTY.with(style.point(u)?).with(style.point(u)?)),
+            2 => {
+                let (base, top) = (style.point(u)?, style.point(u)?);
+                self.cylinders.push(Cylinder { base, top, radius: style.radius(u)?, caps });
+            }
+            3 => {
+                let (base, top) = (style.point(u)?, style.point(u)?);
+                let (base_radius, top_radius) = (style.radius(u)?, style.radius(u)?);
+                self.cones.push(Cone { base, top, base_radius, top_radius, caps });
+            }
+            // A triangle of its own, so that long thin data still make big soups of shared vertices below.
+            4 => {
+                let first = self.positions.len() as u32;
+                self.positions.extend([style.point(u)?, style.point(u)?, style.point(u)?]);
+                self.triangles.push([first, first + 1, first + 2]);
+            }
+            _ => {
+                let n = self.positions.len().max(1) as u32;
+                self.triangles.push(u.arbitrary::<[u8; 3]>()?.map(|i| u32::from(i) % n));
+            }
+        }
+        Ok(())
+    }
+
+    fn mesh(&self) -> Mesh<'_> {
+        let mesh = Mesh::new(&self.positions, &self.triangles).spheres(&self.spheres);
+        mesh.boxes(&self.boxes).cylinders(&self.cylinders).cones(&self.cones)
+    }
+}
+
+fn attempt(u: &mut Unstructured<'_>) -> Result<()> {
+    let leaf = u32::from(u.arbitrary::<u8>()? % 18);
+    let local = if u.arbitrary::<u8>()? & 3 == 1 { u.arbitrary::<[Number; 3]>()?.map(|n| n.0) } else { [0.0; 3] };
+    let style: Style = u.arbitrary()?;
+    let rays = specs(u, RAYS)?;
+    let soup = Soup::new(u, style)?;
+    let mesh = soup.mesh();
+    let config = |(kind, rule)| Config::new(kind).rule(rule).leaf(leaf).local(local);
+    let blobs: Vec<_> = BUILDS.into_iter().map(|build| to_vec(&mesh, &config(build))).collect();
+    let mut first: Option<Vec<(Ray, Option<Hit>)>> = None;
+    for (build, blob) in BUILDS.into_iter().zip(&blobs) {
+        arenas(&mesh, &config(build), blob);
+        match blob {
+            Ok(blob) => agree(&Buffer::from(&blob[..]), &rays, &mut first, build),
+            Err(error) => {
+                let same = blobs.iter().all(|b| b.as_ref().err() == Some(error));
+                assert!(same, "{error:?} should not depend on the structure");
+            }
+        }
+    }
+    Ok(())
+}
+
+/// A built blob is accepted, keeps its promises, and answers as the first structure, the list, did.
+fn agree(blob: &[u8], specs: &[Spec], first: &mut Option<Vec<(Ray, Option<Hit>)>>, build: (Kind, Rule)) {
+    let scene = Scene::from_bytes(blob).unwrap_or_else(|e| panic!("{build:?} was built and then refused: {e}"));
+    let judge = Judge::new(scene, blob);
+    let asked = first.get_or_insert_with(|| {
+        let rays = specs.iter().map(|spec| spec.ray(&scene));
+        rays.map(|ray| (ray, scene.closest_hit(&ray))).collect()
+    });
+    let (rays, truth): (Vec<_>, Vec<_>) = asked.iter().copied().unzip();
+    let (mut hits, mut any) = (vec![None; rays.len()], vec![false; rays.len()]);
+    scene.closest_hits(&rays, &mut hits);
+    scene.any_hits(&rays, &mut any);
+    for (i, ray) in rays.iter().enumerate() {
+        judge.judge(ray);
+        let (truth, hit) = (truth[i], scene.closest_hit(ray));
+        assert!(same(truth, hit), "the list answers {truth:?}, {build:?} {hit:?} for {ray:?}");
+        assert!(same(hits[i], hit), "many rays: {:?}, one ray: {hit:?}, {build:?}, for {ray:?}", hits[i]);
+        assert_eq!(any[i], hit.is_some(), "many rays, any hit, {build:?}, for {ray:?}");
+    }
+}
+
+/// The builder without a heap: the same bytes or the same error, and too little memory is said and harms nothing.
+fn arenas(mesh: &Mesh<'_>, config: &Config, expected: &std::result::Result<Vec<u8>, BuildError>) {
+    let (mut refs, mut nodes) = (heapless::Vec::<Ref, PRIMS>::new(), heapless::Vec::<Node, PRIMS>::new());
+    let mut arena = Arena { refs: &mut refs, nodes: &mut nodes };
+    let needs = Needs::new(mesh, config).expect("a small mesh");
+    let mut out = Buffer::zeroed(needs.bytes + 64);
+    let built = into(mesh, config, &mut arena, &mut out);
+    assert_eq!(built, expected.as_deref().map_err(|e| *e), "the arena's bytes are not those of to_vec, {config:?}");
+    let Ok(blob) = expected else { return };
+    assert!(blob.len() <= needs.bytes, "the needs were {needs:?}, the blob took {}", blob.len());
+    let mut short = vec![0xa5; blob.len() - 1];
+    let full = into(mesh, config, &mut arena, &mut short);
+    let needed = matches!(full, Err(BuildError::Full { needed, .. }) if needed == blob.len());
+    assert!(needed, "a buffer that is 1 byte short: {full:?}");
+    assert!(short.iter().all(|&b| b == 0xa5), "a refused buffer was written to");
+    small(mesh, config, blob, needs);
+}
+
+/// An arena that may be too small for the nodes: the same bytes, or what would be enough.
+fn small(mesh: &Mesh<'_>, config: &Config, blob: &[u8], needs: Needs) {
+    let (mut refs, mut nodes) = (heapless::Vec::<Ref, PRIMS>::new(), heapless::Vec::<Node, 4>::new());
+    let mut arena = Arena { refs: &mut refs, nodes: &mut nodes };
+    let mut out = vec![0; blob.len()];
+    match into(mesh, config, &mut arena, &mut out) {
+        Ok(built) => assert_eq!(built, blob, "a small arena changed the bytes, {config:?}"),
+        Err(BuildError::Full { needed, had, .. }) => {
+            assert!(had == 4 && needed > 4 && needed <= needs.nodes, "needs {needs:?}, but {needed} of {had}");
+            assert!(out.iter().all(|&b| b == 0), "a failed build wrote");
+        }
+        Err(error) => panic!("a small arena turned success into {error:?}"),
+    }
+}

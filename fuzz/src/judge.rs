@@ -1,0 +1,187 @@
+//! The promises of a scene, held against it one ray at a time.
+use flashray::blob::prims::{Primitive, Prims, REF_BITS};
+use flashray::blob::write::{Facts, Layout, Writer};
+use flashray::blob::{Blob, Buffer, MAX_STACK, Section};
+use flashray::{Hit, Kind, Ray, Scene};
+
+/// More fuel than any walk of an honest small blob takes, and little enough to see a loop at once.
+const FUEL: u32 = 10_000;
+
+/// Asks a scene whose bytes nobody checked. It may answer anything; it must answer.
+pub fn survive(scene: &Scene<'_>, ray: &Ray) {
+    let hit = scene.closest_hit(ray);
+    if let Some(hit) = hit {
+        assert!(hit.t >= ray.t_min && hit.t <= ray.t_max && hit.t.is_finite(), "{hit:?} is outside of {ray:?}");
+    }
+    let _ = scene.any_hit(ray);
+    let _ = scene.closest_hit_within(ray, FUEL);
+    let nodes = scene.bvh().map_or(0, |view| view.nodes.len() as u64);
+    let (counted, steps) = scene.closest_hit_counted(ray);
+    assert!(same(hit, counted), "counting changed the answer from {hit:?} to {counted:?} for {ray:?}");
+    // The step that can not be paid is counted too: at most a leaf.
+    let spent = u64::from(steps.nodes) + u64::from(steps.prims);
+    let most = nodes + u64::from(scene.len()) + 15;
+    assert!(spent <= most, "{steps:?} is beyond {most} for {ray:?}");
+}
+
+/// Bit for bit.
+pub fn same(a: Option<Hit>, b: Option<Hit>) -> bool {
+    let bits = |h: Hit| [h.t.to_bits(), h.u.to_bits(), h.v.to_bits(), h.prim];
+    a.map(bits) == b.map(bits)
+}
+
+/// Whether a ray can meet anything at all.
+fn sane(ray: &Ray) -> bool {
+    let finite = |p: [f32; 3]| p.iter().all(|x| x.is_finite());
+    finite(ray.origin) && finite(ray.dir) && ray.dir != [0.0; 3] && ray.t_min <= ray.t_max
+}
+
+/// A scene whose bytes were checked, with the list over its own primitives: the oracle.
+pub struct Judge<'a> {
+    /// The scene that is judged.
+    pub scene: Scene<'a>,
+    prims: Prims<'a>,
+    list: Buffer,
+    unique: bool,
+}
+
+impl<'a> Judge<'a> {
+    /// A judge of `scene`, which was loaded from `bytes` with the full check.
+    pub fn new(scene: Scene<'a>, bytes: &'a [u8]) -> Self {
+        let blob = Blob::parse(bytes).expect("an accepted blob can be parsed");
+        let prims = Prims::parse(&blob).expect("an accepted blob has primitives");
+        let limits = scene.limits();
+        assert!(limits.stack <= MAX_STACK, "{limits:?} is beyond the library's stack");
+        let nodes = scene.bvh().map_or(0, |view| view.nodes.len() as u32);
+        assert_eq!(limits.steps, nodes + prims.len, "the most steps are all nodes and all primitives");
+        let mut ids: Vec<_> = (0..prims.len).map(|slot| prims.id(slot)).collect();
+        ids.sort_unstable();
+        let unique = ids.windows(2).all(|w| w[0] != w[1]);
+        Self { scene, prims, list: list(&scene, &prims), unique }
+    }
+
+    /// Holds every promise for one ray.
+    pub fn judge(&self, ray: &Ray) {
+        let list = Scene::from_bytes(&self.list).expect("the list of an accepted blob is accepted");
+        let hit = self.hold(ray);
+        let oracle = list.closest_hit(ray);
+        assert!(self.equal(oracle, hit, ray), "the list answers {oracle:?}, this scene {hit:?} for {ray:?}");
+        assert_eq!(list.any_hit(ray), hit.is_some(), "the list and the scene differ about any hit of {ray:?}");
+        if let Some(hit) = hit {
+            self.trim(ray, hit);
+        }
+    }
+
+    /// What must be so whatever the oracle says. Returns the closest hit.
+    fn hold(&self, ray: &Ray) -> Option<Hit> {
+        let (scene, limits) = (&self.scene, self.scene.limits());
+        let hit = scene.closest_hit(ray);
+        let within = scene.closest_hit_within(ray, limits.steps);
+        assert!(within.is_ok_and(|h| same(h, hit)), "within {limits:?}: {within:?}, not {hit:?}, for {ray:?}");
+        let (counted, steps) = scene.closest_hit_counted(ray);
+        assert!(same(counted, hit), "counted: {counted:?}, not {hit:?}, for {ray:?}");
+        assert!(steps.nodes + steps.prims <= limits.steps, "{steps:?} is beyond {limits:?} for {ray:?}");
+        assert_eq!(scene.any_hit(ray), hit.is_some(), "any and closest differ, {hit:?}, for {ray:?}");
+        let Some(found) = hit else { return None };
+        assert!(sane(ray), "a ray that makes no sense met {found:?}: {ray:?}");
+        assert!(found.t >= ray.t_min && found.t <= ray.t_max, "{found:?} is outside of {ray:?}");
+        assert!(found.t.is_finite() && found.t.to_bits() != (-0.0f32).to_bits(), "{found:?} has no proper t, {ray:?}");
+        let weight = |x: f32| (0.0..=1.0).contains(&x) && x.to_bits() != (-0.0f32).to_bits();
+        assert!(weight(found.u) && weight(found.v), "{found:?} has no proper weights, {ray:?}");
+        assert!(found.prim < scene.len(), "{found:?} is no primitive, {ray:?}");
+        hit
+    }
+
+    /// The interval cut at the hit: both its ends are included, and nothing is nearer.
+    fn trim(&self, ray: &Ray, hit: Hit) {
+        for (t_min, t_max) in [(hit.t, hit.t), (ray.t_min, hit.t), (hit.t, ray.t_max)] {
+            let cut = ray.within(t_min, t_max);
+            let again = self.scene.closest_hit(&cut);
+            assert!(self.equal(Some(hit), again, ray), "{hit:?} became {again:?} when cut to {cut:?}");
+        }
+        let nearer = ray.within(ray.t_min, hit.t.next_down());
+        let none = self.scene.closest_hit(&nearer);
+        assert!(none.is_none(), "{hit:?} was not the closest: {none:?} for {nearer:?}");
+    }
+
+    /// Bit for bit, but where several primitives have one number and are met at one `t`, either's weights will do:
+    /// the check asks of numbers only that they are in range.
+    fn equal(&self, a: Option<Hit>, b: Option<Hit>, ray: &Ray) -> bool {
+        let (Some(x), Some(y)) = (a, b) else { return same(a, b) };
+        if self.unique || same(a, b) {
+            return same(a, b);
+        }
+        x.t.to_bits() == y.t.to_bits() && x.prim == y.prim && self.explained(x, ray) && self.explained(y, ray)
+    }
+
+    /// Whether some primitive with the hit's number alone gives this very hit.
+    fn explained(&self, hit: Hit, ray: &Ray) -> bool {
+        let slots = (0..self.prims.len).filter(|&slot| self.prims.id(slot) == hit.prim);
+        slots.into_iter().any(|slot| {
+            let Some(alone) = single(&self.scene, &self.prims, slot) else { return false };
+            let scene = Scene::trust(&alone).expect("a list of one can be parsed");
+            same(scene.closest_hit(&ray.within(hit.t, hit.t)), Some(hit))
+        })
+    }
+}
+
+fn start<'l, 'o>(layout: &'l Layout, out: &'o mut Buffer, scene: &Scene<'_>, prims: u32) -> Writer<'l, 'o> {
+    let (bounds, local) = (scene.bounds(), scene.local_origin());
+    let facts = Facts { kind: Kind::List, prims, stack: 0, steps: prims, bounds, local };
+    layout.start(out, &facts).expect("the buffer is as long as the layout")
+}
+
+/// The list over the primitives of a scene, in its slots, with its numbers, bounds and local origin.
+fn list(scene: &Scene<'_>, p: &Prims<'_>) -> Buffer {
+    let size = |n: usize| n as u32;
+    let sections = [
+        (Section::Triangles, size(p.triangles.len()), 36),
+        (Section::Spheres, size(p.spheres.len()), 16),
+        (Section::Boxes, size(p.boxes.len()), 24),
+        (Section::Cylinders, size(p.cylinders.len()), 32),
+        (Section::Cones, size(p.cones.len()), 36),
+        (Section::Refs, size(p.refs.len()), 4),
+        (Section::Ids, size(p.ids.len()), 4),
+    ];
+    let layout = Layout::new(&sections).expect("the list is no longer than the blob");
+    let mut out = Buffer::zeroed(layout.len());
+    let mut writer = start(&layout, &mut out, scene, p.len);
+    writer.section(Section::Triangles, p.triangles.iter().copied());
+    writer.section(Section::Spheres, p.spheres.iter().copied());
+    writer.section(Section::Boxes, p.boxes.iter().copied());
+    writer.section(Section::Cylinders, p.cylinders.iter().copied());
+    writer.section(Section::Cones, p.cones.iter().copied());
+    writer.section(Section::Refs, p.refs.iter().copied());
+    writer.section(Section::Ids, p.ids.iter().copied());
+    let _ = writer.finish();
+    out
+}
+
+/// The list of one primitive under its own number, which is out of range there: to be trusted, not checked.
+fn single(scene: &Scene<'_>, p: &Prims<'_>, slot: u32) -> Option<Buffer> {
+    let primitive = p.get(slot)?;
+    let (section, size, kind) = match primitive {
+        Primitive::Triangle(_) => (Section::Triangles, 36, 0),
+        Primitive::Sphere(_) => (Section::Spheres, 16, 1),
+        Primitive::Box(_) => (Section::Boxes, 24, 2),
+        Primitive::Cylinder(_) => (Section::Cylinders, 32, 3),
+        Primitive::Cone(_) => (Section::Cones, 36, 4),
+        _ => return None,
+    };
+    let refs = u32::from(kind > 0);
+    let layout = Layout::new(&[(section, 1, size), (Section::Refs, refs, 4), (Section::Ids, 1, 4)])?;
+    let mut out = Buffer::zeroed(layout.len());
+    let mut writer = start(&layout, &mut out, scene, 1);
+    match primitive {
+        Primitive::Triangle(p) => writer.section(section, [p].into_iter()),
+        Primitive::Sphere(p) => writer.section(section, [p].into_iter()),
+        Primitive::Box(p) => writer.section(section, [p].into_iter()),
+        Primitive::Cylinder(p) => writer.section(section, [p].into_iter()),
+        Primitive::Cone(p) => writer.section(section, [p].into_iter()),
+        _ => return None,
+    }
+    writer.section(Section::Refs, [kind << REF_BITS].into_iter());
+    writer.section(Section::Ids, [p.id(slot)].into_iter());
+    let _ = writer.finish();
+    Some(out)
+}

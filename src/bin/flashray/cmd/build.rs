@@ -1,0 +1,78 @@
+//! `flashray build`.
+use crate::{Failure, args, file, input};
+use clap::ValueEnum;
+use flashray::Kind;
+use flashray::build::{Config, Rule, to_vec};
+use std::path::PathBuf;
+use std::time::Instant;
+
+#[derive(clap::Args)]
+pub struct Args {
+    /// OBJ, PLY, STL, glTF or GLB files, or spd:NAME[:SIZE]; several become one scene
+    #[arg(required = true, value_name = "IN")]
+    inputs: Vec<String>,
+    /// The blob to write
+    #[arg(short, long, value_name = "OUT.fray")]
+    output: PathBuf,
+    /// The acceleration structure
+    #[arg(long, value_enum, default_value = "bvh")]
+    structure: Structure,
+    /// How it splits: the textbook's rule, or the surface-area heuristic
+    #[arg(long, value_enum, default_value = "sah")]
+    rule: Split,
+    /// Most primitives of a leaf
+    #[arg(long, default_value_t = 8, value_parser = clap::value_parser!(u32).range(1..=15))]
+    leaf: u32,
+    /// Store coordinates relative to this point: for scenes far from 0
+    #[arg(long, value_name = "X,Y,Z", value_parser = args::triple, default_value = "0,0,0", allow_hyphen_values = true)]
+    local: [f32; 3],
+    /// Print one JSON object instead of a sentence
+    #[arg(long)]
+    json: bool,
+}
+
+#[derive(Clone, Copy, ValueEnum)]
+pub enum Structure {
+    List,
+    Bvh,
+}
+
+#[derive(Clone, Copy, ValueEnum)]
+pub enum Split {
+    Seed,
+    Sah,
+}
+
+impl Args {
+    fn config(&self) -> Config {
+        let kind = match self.structure {
+            Structure::List => Kind::List,
+            Structure::Bvh => Kind::Bvh,
+        };
+        let rule = match self.rule {
+            Split::Seed => Rule::Seed,
+            Split::Sah => Rule::Sah,
+        };
+        Config::new(kind).rule(rule).leaf(self.leaf).local(self.local)
+    }
+}
+
+pub fn run(args: &Args) -> Result<(), Failure> {
+    let soup = input::read_all(&args.inputs)?;
+    let start = Instant::now();
+    let config = args.config();
+    let blob = to_vec(&soup.mesh(), &config).map_err(|e| format!("{}: {e}", args.inputs.join(" ")))?;
+    let seconds = start.elapsed().as_secs_f64();
+    file::write(&args.output, &blob)?;
+    let prims = soup.mesh().len().unwrap_or(0);
+    if args.json {
+        let facts = serde_json::json!({
+            "kind": config.kind.name(), "bytes": blob.len(), "primitives": prims, "seconds": seconds,
+        });
+        println!("{facts}");
+    } else {
+        let (kind, bytes, path) = (config.kind.name(), blob.len(), args.output.display());
+        println!("{path}: {kind}, {prims} primitives, {bytes} bytes, built in {seconds:.3} s");
+    }
+    Ok(())
+}
