@@ -69,7 +69,9 @@ fn trace(scene: &Scene<'_>, set: Set, mut next: impl FnMut() -> Ray, sum: &mut S
                 *hit = scene.closest_hit(ray);
             }
         });
-        hits.iter().for_each(|&hit| sum.add(hit));
+        for &hit in &hits {
+            sum.add(hit);
+        }
     }
 }
 

@@ -181,7 +181,7 @@ impl<'a> Scene<'a> {
             Structure::List => list::walk::<ANY>(&self.prims, &ray, &mut best, meter)?,
             Structure::Bvh(view) => bvh::walk::<ANY>(view, &self.prims, &ray, &mut best, meter)?,
         };
-        Ok(best.hit())
+        Ok(best.hit().map(|hit| Hit { t: hit.t * ray.unit, ..hit }))
     }
 
     /// What bounds every query, as the header says.

@@ -72,7 +72,7 @@ pub fn load(blob: &[u8], rays: &[Spec]) {
     }
     match Scene::trust(blob) {
         Ok(scene) => rays.iter().for_each(|spec| survive(&scene, &spec.ray(&scene))),
-        Err(error) => assert_eq!(checked.err(), Some(error), "the full check starts with the cheap one"),
+        Err(error) => assert!(checked.is_err(), "accepted by the full check, refused by the cheap one: {error}"),
     }
 }
 

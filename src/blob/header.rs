@@ -184,7 +184,10 @@ fn parse_entries(entries: &[Entry], mut end: u32, length: u32) -> Result<(), Blo
         last = entry.section;
     }
     if end != length {
-        return Err(BlobError::new(Rule::SectionPlace, Section::Table).at(count(entries.len())).found(end).needed(length));
+        return Err(BlobError::new(Rule::SectionPlace, Section::Table)
+            .at(count(entries.len()))
+            .found(end)
+            .needed(length));
     }
     Ok(())
 }

@@ -150,7 +150,8 @@ impl<'a> Prims<'a> {
             *expected += 1;
         }
         // As many references as primitives, each kind counted up from 0: only the shares can still be wrong.
-        let counted = [self.triangles.len(), self.spheres.len(), self.boxes.len(), self.cylinders.len(), self.cones.len()];
+        let counted =
+            [self.triangles.len(), self.spheres.len(), self.boxes.len(), self.cylinders.len(), self.cones.len()];
         for (&n, &found) in counted.iter().zip(&next) {
             if !self.refs.is_empty() && count(n) != found {
                 let error = BlobError::new(Rule::RefOrder, Section::Refs).at(self.len);

@@ -101,11 +101,7 @@ pub fn into<'o>(
 }
 
 /// The first `n` entries of a caller's vector.
-fn lend<T: bytemuck::Zeroable + Clone>(
-    view: &mut VecView<T>,
-    n: usize,
-    what: What,
-) -> Result<&mut [T], BuildError> {
+fn lend<T: bytemuck::Zeroable + Clone>(view: &mut VecView<T>, n: usize, what: What) -> Result<&mut [T], BuildError> {
     let full = BuildError::Full { what, needed: n, had: view.capacity() };
     view.resize(n, T::zeroed()).map_err(|_| full)?;
     view.get_mut(..n).ok_or(full)

@@ -44,7 +44,16 @@ pub fn sweep(refs: &mut [Ref], bounds: &Aabb, leaf: usize) -> Choice {
 pub fn halve(refs: &mut [Ref]) -> Choice {
     let centers = refs.iter().fold(Aabb::EMPTY, |all, r| all.with(r.center2()));
     let [x, y, z] = sub(centers.max, centers.min);
-    sort(refs, if x >= y && x >= z { 0 } else if y >= z { 1 } else { 2 });
+    sort(
+        refs,
+        if x >= y && x >= z {
+            0
+        } else if y >= z {
+            1
+        } else {
+            2
+        },
+    );
     if refs.len() < 2 { Choice::Leaf } else { Choice::Split(refs.len() / 2) }
 }
 

@@ -35,32 +35,50 @@ impl Plan<'_> {
     /// Writes the blob into the first bytes of `out`; `None`, and nothing written, if `out` is too short.
     pub(super) fn write<'o>(&self, out: &'o mut [u8]) -> Option<&'o [u8]> {
         let mut writer = self.layout.start(out, &self.facts)?;
-        writer.section(Section::Triangles, self.primitives().filter_map(|p| match p {
-            Primitive::Triangle(p) => Some(p),
-            _ => None,
-        }));
-        writer.section(Section::Spheres, self.primitives().filter_map(|p| match p {
-            Primitive::Sphere(p) => Some(p),
-            _ => None,
-        }));
-        writer.section(Section::Boxes, self.primitives().filter_map(|p| match p {
-            Primitive::Box(p) => Some(p),
-            _ => None,
-        }));
-        writer.section(Section::Cylinders, self.primitives().filter_map(|p| match p {
-            Primitive::Cylinder(p) => Some(p),
-            _ => None,
-        }));
-        writer.section(Section::Cones, self.primitives().filter_map(|p| match p {
-            Primitive::Cone(p) => Some(p),
-            _ => None,
-        }));
+        writer.section(
+            Section::Triangles,
+            self.primitives().filter_map(|p| match p {
+                Primitive::Triangle(p) => Some(p),
+                _ => None,
+            }),
+        );
+        writer.section(
+            Section::Spheres,
+            self.primitives().filter_map(|p| match p {
+                Primitive::Sphere(p) => Some(p),
+                _ => None,
+            }),
+        );
+        writer.section(
+            Section::Boxes,
+            self.primitives().filter_map(|p| match p {
+                Primitive::Box(p) => Some(p),
+                _ => None,
+            }),
+        );
+        writer.section(
+            Section::Cylinders,
+            self.primitives().filter_map(|p| match p {
+                Primitive::Cylinder(p) => Some(p),
+                _ => None,
+            }),
+        );
+        writer.section(
+            Section::Cones,
+            self.primitives().filter_map(|p| match p {
+                Primitive::Cone(p) => Some(p),
+                _ => None,
+            }),
+        );
         let mut next = [0u32; 8];
-        writer.section(Section::Refs, self.kinds().map(|kind| {
-            let at = &mut next[index(kind & 7)];
-            *at += 1;
-            reference(kind, *at - 1)
-        }));
+        writer.section(
+            Section::Refs,
+            self.kinds().map(|kind| {
+                let at = &mut next[index(kind & 7)];
+                *at += 1;
+                reference(kind, *at - 1)
+            }),
+        );
         writer.section(Section::Ids, self.refs.iter().map(|r| r.prim));
         writer.section(Section::BvhNodes, self.nodes.iter().copied());
         Some(writer.finish())

@@ -87,7 +87,13 @@ fn choose(config: &Config, run: &mut [Ref], task: &Task) -> Choice {
     match config.rule {
         _ if run.len() < 2 => Choice::Leaf,
         Rule::Seed if run.len() <= leaf => Choice::Leaf,
-        _ if task.level >= HALVE_FROM => if run.len() <= leaf { Choice::Leaf } else { halve(run) },
+        _ if task.level >= HALVE_FROM => {
+            if run.len() <= leaf {
+                Choice::Leaf
+            } else {
+                halve(run)
+            }
+        }
         Rule::Seed => middle(run, &task.bounds, index(task.level - 1) % 3),
         Rule::Sah => sweep(run, &task.bounds, leaf),
     }

@@ -59,7 +59,8 @@ impl Aabb {
 
     /// The nearest wall crossed in `[t_min, t_max]`. The walls are met where the exact slabs, without the pad, say.
     #[inline]
-    pub(crate) fn crossing(&self, ray: &Prepared, t_max: f32) -> Option<f32> {
+    #[must_use]
+    pub fn crossing(&self, ray: &Prepared, t_max: f32) -> Option<f32> {
         let own = ray.slab(self);
         let (mut near, mut far) = (f32::NEG_INFINITY, f32::INFINITY);
         let mut axis = |k: usize| {

@@ -107,7 +107,8 @@ impl Cone {
 
     /// The nearest crossing in `[t_min, t_max]`.
     #[inline]
-    pub(crate) fn crossing(&self, ray: &Prepared, t_max: f32) -> Option<f32> {
+    #[must_use]
+    pub fn crossing(&self, ray: &Prepared, t_max: f32) -> Option<f32> {
         let own = ray.slab(&self.bounds());
         let local = Local::new(self, ray)?;
         let mut best = None;

@@ -29,4 +29,8 @@ pub struct Crossing {
     pub u: f32,
     /// As [`Hit::v`].
     pub v: f32,
+    /// Whether the ray comes from the side on which the triangle's corners run counter-clockwise: the outside of a
+    /// closed mesh. Decided where the crossing itself is, so on a closed mesh entries and exits always balance. `true`
+    /// on other primitives.
+    pub enters: bool,
 }

@@ -82,6 +82,12 @@ const PAD: f32 = 16.0 / 16_777_216.0;
 /// Share of the origin's own size, so that the pad survives the rounding of `origin + pad`: 2 half-ulps.
 const ORIGIN_PAD: f32 = 2.0 / 16_777_216.0;
 
+/// Directions whose largest component is outside of these are scaled by [`SCALE`] or its inverse, so that `1 / dir` is a
+/// normal number.
+const SMALL: f32 = 1.0 / LARGE;
+const LARGE: f32 = 1_267_650_600_228_229_401_496_703_205_376.0; // 2^100
+const SCALE: f32 = 18_446_744_073_709_551_616.0; // 2^64
+
 /// A ray that makes sense, with what every test of it shares.
 #[derive(Clone, Copy, Debug)]
 pub struct Prepared {
@@ -105,6 +111,8 @@ pub struct Prepared {
     pub(crate) t_min: f32,
     /// Greatest `t` that counts.
     pub(crate) t_max: f32,
+    /// What a `t` found is to be multiplied by: a power of two, 1 but for directions of extreme size.
+    pub(crate) unit: f32,
 }
 
 impl Prepared {
@@ -121,6 +129,11 @@ impl Prepared {
         if !finite(ray.origin) || !finite(dir) || largest == 0.0 || !(ray.t_min <= ray.t_max) {
             return None;
         }
+        let (dir, largest, interval, unit) = match () {
+            () if largest < SMALL => rescale(dir, largest, ray, SCALE),
+            () if largest > LARGE => rescale(dir, largest, ray, 1.0 / SCALE),
+            () => (dir, largest, [ray.t_min, ray.t_max], 1.0),
+        };
         let kz = match () {
             () if dir[0].abs() == largest => Axis::X,
             () if dir[1].abs() == largest => Axis::Y,
@@ -139,9 +152,10 @@ impl Prepared {
             kz,
             kx,
             ky,
-            shear: [dir[kx.at()] / dir[kz.at()], dir[ky.at()] / dir[kz.at()]],
-            t_min: ray.t_min,
-            t_max: ray.t_max,
+            shear: [dir[kx.at()] * inv[kz.at()], dir[ky.at()] * inv[kz.at()]],
+            t_min: interval[0],
+            t_max: interval[1],
+            unit,
         };
         prepared.pad_axis::<0>(pad);
         prepared.pad_axis::<1>(pad);
@@ -209,4 +223,16 @@ impl Prepared {
         d[self.ky.at()] = self.shear[1];
         (d, self.inv[self.kz.at()])
     }
+}
+
+/// A direction times `factor`, its largest component, the interval over `factor`, and the unit of `t` that undoes it.
+///
+/// Powers of two, so nothing is rounded but what leaves the range of normal numbers. The greatest `t` is such that it
+/// is finite again when scaled back.
+#[cold]
+#[inline(never)]
+fn rescale(dir: Vec3, largest: f32, ray: &Ray, factor: f32) -> (Vec3, f32, [f32; 2], f32) {
+    let t_max = least(ray.t_max, f32::MAX);
+    let interval = [ray.t_min / factor, t_max / factor];
+    (dir.map(|d| d * factor), largest * factor, interval, factor)
 }

@@ -29,7 +29,8 @@ impl Sphere {
 
     /// The nearest crossing in `[t_min, t_max]`.
     #[inline]
-    pub(crate) fn crossing(&self, ray: &Prepared, t_max: f32) -> Option<f32> {
+    #[must_use]
+    pub fn crossing(&self, ray: &Prepared, t_max: f32) -> Option<f32> {
         let (dir, to_t) = ray.scaled_dir();
         let from = scale(sub(ray.origin, self.center), 1.0 / self.radius);
         let a = dot(dir, dir);

@@ -86,7 +86,8 @@ impl Triangle {
 
     /// Where the ray crosses, if it does so in `[t_min, t_max]`.
     #[inline(always)]
-    pub(crate) fn crossing(&self, ray: &Prepared, t_max: f32) -> Option<Crossing> {
+    #[must_use]
+    pub fn crossing(&self, ray: &Prepared, t_max: f32) -> Option<Crossing> {
         let a = Sheared::new(self.v[0], ray);
         let b = Sheared::new(self.v[1], ray);
         let c = Sheared::new(self.v[2], ray);
@@ -100,22 +101,23 @@ impl Triangle {
         }
         let det = wa + wb + wc;
         let size = det.abs();
-        let (depth, u, v) = if (low > 0.0 || high < 0.0) && size > LEAST_DET && size < MOST_DET {
+        let (depth, u, v, clockwise) = if (low > 0.0 || high < 0.0) && size > LEAST_DET && size < MOST_DET {
             let r = 1.0 / det;
             let (wa, wb, wc) = (wa * r, wb * r, wc * r);
-            (wa * a.z + wb * b.z + wc * c.z, wb, wc)
+            (wa * a.z + wb * b.z + wc * c.z, wb, wc, det < 0.0)
         } else {
             exact_weights(a, b, c)?
         };
         let t = ray.admit(depth * ray.inv[ray.kz.at()], ray.slab(&self.bounds()), t_max)?;
-        Some(Crossing { t, u, v })
+        Some(Crossing { t, u, v, enters: clockwise != ray.negative[ray.kz.at()] })
     }
 }
 
-/// The rare path: depth along `kz` and the weights of the second and third corner, from f64 edge functions.
+/// The rare path: depth along `kz`, the weights of the second and third corner, and whether the corners run clockwise
+/// in the sheared plane, from f64 edge functions.
 #[cold]
 #[inline(never)]
-fn exact_weights(a: Sheared, b: Sheared, c: Sheared) -> Option<(f32, f32, f32)> {
+fn exact_weights(a: Sheared, b: Sheared, c: Sheared) -> Option<(f32, f32, f32, bool)> {
     if !(a.is_finite() && b.is_finite() && c.is_finite()) {
         return None;
     }
@@ -127,5 +129,5 @@ fn exact_weights(a: Sheared, b: Sheared, c: Sheared) -> Option<(f32, f32, f32)> 
     let det = wa + wb + wc;
     let (wa, wb, wc) = (wa / det, wb / det, wc / det);
     let depth = wa * wide(a.z) + wb * wide(b.z) + wc * wide(c.z);
-    Some((narrow(depth), narrow(wb) + 0.0, narrow(wc) + 0.0))
+    Some((narrow(depth), narrow(wb) + 0.0, narrow(wc) + 0.0, na))
 }

@@ -44,7 +44,7 @@ fn mixed<const ANY: bool>(
     best: &mut Best,
 ) -> Result<bool, Stop> {
     for slot in first..first.saturating_add(len) {
-        let at_t = |t| Crossing { t, u: 0.0, v: 0.0 };
+        let at_t = |t| Crossing { t, u: 0.0, v: 0.0, enters: true };
         let crossing = match prims.get(slot).ok_or(Stop::Corrupt)? {
             Primitive::Triangle(p) => p.crossing(ray, best.t),
             Primitive::Sphere(p) => p.crossing(ray, best.t).map(at_t),

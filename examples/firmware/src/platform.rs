@@ -117,7 +117,8 @@ pub fn flash(blob: &[u8]) -> u32 {
     let constants = (&raw const __srodata).addr()..(&raw const __erodata).addr();
     let inside = if constants.contains(&blob.as_ptr().addr()) { blob.len() as u32 } else { 0 };
     let code = between(ptr::null(), &raw const __etext);
-    code + between(&raw const __srodata, &raw const __erodata) + between(&raw const __sdata, &raw const __edata) - inside
+    let data = between(&raw const __srodata, &raw const __erodata) + between(&raw const __sdata, &raw const __edata);
+    code + data - inside
 }
 
 fn between(start: *const u8, end: *const u8) -> u32 {

@@ -80,7 +80,13 @@ fn scene(args: &Args, name: &str) -> Result<(Row, Picture), Failure> {
     let per_prim = bytes.len() as f64 / f64::from(scene.len());
     let line = format!(
         "{name:<9}{:>7}{:>10}{per_prim:>7.1}{:>8}{:>6}{:>8.1}{seconds:>8.3}{fast:>9.2}{:>10.0}x{:>8}{wrong:>6}",
-        scene.len(), bytes.len(), shape.nodes, shape.depth, shape.sah_cost, fast / slow, rays.len()
+        scene.len(),
+        bytes.len(),
+        shape.nodes,
+        shape.depth,
+        shape.sah_cost,
+        fast / slow,
+        rays.len()
     );
     let facts = json!({
         "scene": name, "primitives": scene.len(), "bytes": bytes.len(), "bytes_per_primitive": per_prim,
@@ -143,8 +149,21 @@ fn report(args: &Args, rows: &[Row], path: &str) {
         println!("{}", json!({ "picture": path, "scenes": scenes }));
         return;
     }
-    println!("{:<9}{:>7}{:>10}{:>7}{:>8}{:>6}{:>8}{:>8}{:>9}{:>11}{:>8}{:>6}",
-        "scene", "prims", "bytes", "B/prim", "nodes", "depth", "SAH", "build s", "Mrays/s", "over list", "rays", "wrong");
+    println!(
+        "{:<9}{:>7}{:>10}{:>7}{:>8}{:>6}{:>8}{:>8}{:>9}{:>11}{:>8}{:>6}",
+        "scene",
+        "prims",
+        "bytes",
+        "B/prim",
+        "nodes",
+        "depth",
+        "SAH",
+        "build s",
+        "Mrays/s",
+        "over list",
+        "rays",
+        "wrong"
+    );
     for row in rows {
         println!("{}", row.line);
     }

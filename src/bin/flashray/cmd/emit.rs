@@ -47,7 +47,11 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     let limits = scene.limits();
     let facts = format!(
         "{}, {} primitives, {} bytes; worst case stack {} entries, {} steps.",
-        scene.kind().name(), scene.len(), bytes.len(), limits.stack, limits.steps
+        scene.kind().name(),
+        scene.len(),
+        bytes.len(),
+        limits.stack,
+        limits.steps
     );
     match args.language {
         Language::Rust => file::write(&args.output, rust(args, &bytes, &facts).as_bytes())?,
@@ -99,7 +103,10 @@ fn c_header(args: &Args, bytes: &[u8], scene: &Scene<'_>, facts: &str) -> String
          #ifdef __cplusplus\nextern \"C\" {{\n#endif\n\n\
          /* The blob, as words so that it is aligned; its first {guard}_BYTES bytes count. Little-endian targets only. */\n\
          extern const uint32_t {name}[{}];\n\n#ifdef __cplusplus\n}}\n#endif\n\n#endif\n",
-        bytes.len(), limits.stack, limits.steps, bytes.len().div_ceil(4)
+        bytes.len(),
+        limits.stack,
+        limits.steps,
+        bytes.len().div_ceil(4)
     )
 }
 

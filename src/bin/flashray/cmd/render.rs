@@ -163,7 +163,11 @@ impl<'s, 'a> Shader<'s, 'a> {
         }
         let bounds = scene.bounds();
         let size = [0, 1, 2].map(|k| bounds.max[k] - bounds.min[k]).iter().fold(0.0f32, |a, &b| a.max(b));
-        let light = unit(add_scaled(add_scaled(sub([0.0; 3], camera.ray(0.0, 0.0).dir), 1.0, camera.up()), -0.7, camera.right()));
+        let light = unit(add_scaled(
+            add_scaled(sub([0.0; 3], camera.ray(0.0, 0.0).dir), 1.0, camera.up()),
+            -0.7,
+            camera.right(),
+        ));
         let (mut depth, mut heat) = ([f32::INFINITY, 0.0f32], 1.0f32);
         for i in 0..64 * 64 {
             let ray = camera.ray((i % 64) as f32 / 31.5 - 1.0, (i / 64) as f32 / 31.5 - 1.0);
@@ -182,7 +186,11 @@ impl<'s, 'a> Shader<'s, 'a> {
         }
         let Some(hit) = self.scene.closest_hit(ray) else {
             let up = 0.5 + 0.5 * ray.dir[1];
-            return if self.shade == Shade::Normals { [0.10 + 0.06 * up, 0.11 + 0.07 * up, 0.14 + 0.09 * up] } else { [0.0; 3] };
+            return if self.shade == Shade::Normals {
+                [0.10 + 0.06 * up, 0.11 + 0.07 * up, 0.14 + 0.09 * up]
+            } else {
+                [0.0; 3]
+            };
         };
         match self.shade {
             Shade::Depth => [1.0 - 0.85 * (hit.t - self.depth[0]) / (self.depth[1] - self.depth[0]).max(1e-30); 3],

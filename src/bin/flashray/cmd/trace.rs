@@ -50,13 +50,17 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     let rays = file::read(&args.rays)?;
     if rays.len() % RAY != 0 {
         let (path, found) = (args.rays.display(), rays.len());
-        return Err(format!("{path}: {found} bytes are no whole number of rays of {RAY}: {} are left over", found % RAY));
+        return Err(format!(
+            "{path}: {found} bytes are no whole number of rays of {RAY}: {} are left over",
+            found % RAY
+        ));
     }
     let rays: Vec<Ray> = rays.par_chunks_exact(RAY).map(decode).collect();
     let pool = rayon::ThreadPoolBuilder::new().num_threads(args.threads).build();
     let pool = pool.map_err(|e| format!("{} threads: {e}", args.threads))?;
     let start = Instant::now();
-    let (hits, count) = pool.install(|| if args.any { any(&scene, &rays, args.mode) } else { closest(&scene, &rays, args.mode) });
+    let (hits, count) =
+        pool.install(|| if args.any { any(&scene, &rays, args.mode) } else { closest(&scene, &rays, args.mode) });
     let seconds = start.elapsed().as_secs_f64();
     file::write(&args.output, &hits)?;
     let rate = super::millions_per_second(rays.len(), seconds);

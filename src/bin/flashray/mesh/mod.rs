@@ -43,9 +43,7 @@ fn load(path: &Path) -> Result<Soup, String> {
     }
     if let Some(found) = Format::found_in(&bytes).filter(|found| *found != format) {
         let (found, ending) = (found.name(), format.ending());
-        return Err(format!(
-            "the content is {found}, but the name ends in {ending}"
-        ));
+        return Err(format!("the content is {found}, but the name ends in {ending}"));
     }
     let soup = parse(format, &bytes, path.parent().unwrap_or(Path::new("")))?;
     if soup.triangles.is_empty() {
@@ -84,12 +82,7 @@ impl Format {
         let ending = path.extension().unwrap_or_default().to_string_lossy();
         Self::ALL
             .into_iter()
-            .find(|format| {
-                format
-                    .ending()
-                    .trim_start_matches('.')
-                    .eq_ignore_ascii_case(&ending)
-            })
+            .find(|format| format.ending().trim_start_matches('.').eq_ignore_ascii_case(&ending))
             .ok_or_else(|| {
                 let known = Self::ALL.map(Self::ending).join(" ");
                 if ending.is_empty() {
@@ -160,13 +153,9 @@ fn file_bytes(path: &Path, needed: Option<u64>) -> Result<Vec<u8>, String> {
     }
     let mut bytes = Vec::new();
     let size = usize::try_from(needed.unwrap_or(meta.len())).map_err(|_| "is too large")?;
-    bytes
-        .try_reserve_exact(size)
-        .map_err(|_| format!("{size} bytes do not fit in memory"))?;
+    bytes.try_reserve_exact(size).map_err(|_| format!("{size} bytes do not fit in memory"))?;
     let file = File::open(path).map_err(why)?;
-    file.take(needed.unwrap_or(u64::MAX))
-        .read_to_end(&mut bytes)
-        .map_err(why)?;
+    file.take(needed.unwrap_or(u64::MAX)).read_to_end(&mut bytes).map_err(why)?;
     Ok(bytes)
 }
 

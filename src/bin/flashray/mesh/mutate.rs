@@ -60,25 +60,12 @@ pub fn run(seeds: &[&[u8]], read: impl Fn(&[u8]) -> Result<Soup, String>) {
         match read(&data) {
             Ok(soup) => {
                 accepted += 1;
-                assert!(
-                    soup.positions
-                        .iter()
-                        .flatten()
-                        .all(|value| value.is_finite())
-                );
+                assert!(soup.positions.iter().flatten().all(|value| value.is_finite()));
                 let vertices = u32::try_from(soup.positions.len()).unwrap();
-                assert!(
-                    soup.triangles
-                        .iter()
-                        .flatten()
-                        .all(|index| *index < vertices)
-                );
+                assert!(soup.triangles.iter().flatten().all(|index| *index < vertices));
             }
             Err(error) => assert!(error.len() < 600, "{error}"),
         }
     }
-    assert!(
-        accepted > 0,
-        "every damaged file was refused: the seeds test little"
-    );
+    assert!(accepted > 0, "every damaged file was refused: the seeds test little");
 }

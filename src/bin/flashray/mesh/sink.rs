@@ -18,10 +18,7 @@ impl Sink {
 
     /// An empty mesh that takes at most `limit` triangles.
     fn with_limit(limit: usize) -> Self {
-        Self {
-            soup: Soup::default(),
-            limit,
-        }
+        Self { soup: Soup::default(), limit }
     }
 
     /// The number of vertices so far.
@@ -31,8 +28,7 @@ impl Sink {
 
     /// Adds a vertex and returns its index. The caller has checked that it is finite.
     pub fn vertex(&mut self, position: [f32; 3]) -> Result<u32, String> {
-        let index = u32::try_from(self.soup.positions.len())
-            .map_err(|_| format!("more than {} vertices", u32::MAX))?;
+        let index = u32::try_from(self.soup.positions.len()).map_err(|_| format!("more than {} vertices", u32::MAX))?;
         self.soup.positions.push(position);
         Ok(index)
     }
@@ -40,10 +36,7 @@ impl Sink {
     /// Adds a triangle. The caller has checked the indices, or will before it calls [`Self::finish`].
     pub fn triangle(&mut self, corners: [u32; 3]) -> Result<(), String> {
         if self.soup.triangles.len() >= self.limit {
-            return Err(format!(
-                "more than {} triangles, the most a mesh may have",
-                self.limit
-            ));
+            return Err(format!("more than {} triangles, the most a mesh may have", self.limit));
         }
         self.soup.triangles.push(corners);
         Ok(())
@@ -79,10 +72,7 @@ impl Fan {
     /// Ends the polygon: fewer than three corners are an error.
     pub fn finish(self) -> Result<(), String> {
         if self.corners < 3 {
-            return Err(format!(
-                "a face needs at least 3 corners, this one has {}",
-                self.corners
-            ));
+            return Err(format!("a face needs at least 3 corners, this one has {}", self.corners));
         }
         Ok(())
     }
@@ -90,10 +80,7 @@ impl Fan {
 
 /// A coordinate rounded to `f32`; none if it is not finite there.
 pub fn narrow(value: f64) -> Option<f32> {
-    #[expect(
-        clippy::cast_possible_truncation,
-        reason = "rounding to nearest is what is wanted"
-    )]
+    #[expect(clippy::cast_possible_truncation, reason = "rounding to nearest is what is wanted")]
     let value = value as f32;
     value.is_finite().then_some(value)
 }

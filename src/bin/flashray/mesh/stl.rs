@@ -20,11 +20,7 @@ const CORNERS: usize = 12;
 
 /// Reads the bytes of an STL file.
 pub fn read(data: &[u8]) -> Result<Soup, String> {
-    if is_text(data) && !has_exact_length(data) {
-        read_text(data)
-    } else {
-        read_binary(data)
-    }
+    if is_text(data) && !has_exact_length(data) { read_text(data) } else { read_binary(data) }
 }
 
 /// True if `data` is as long as its number of triangles asks for: then it is a binary STL file,
@@ -37,9 +33,7 @@ pub fn has_exact_length(data: &[u8]) -> bool {
 /// has its number of triangles.
 pub fn is_text(data: &[u8]) -> bool {
     let start = text::without_mark(data).trim_ascii_start();
-    let named = start
-        .get(..5)
-        .is_some_and(|word| word.eq_ignore_ascii_case(b"solid"));
+    let named = start.get(..5).is_some_and(|word| word.eq_ignore_ascii_case(b"solid"));
     let spaced = start.get(5).is_none_or(u8::is_ascii_whitespace);
     named && spaced && !data.iter().take(512).any(|byte| *byte == 0)
 }
@@ -52,10 +46,7 @@ fn count(data: &[u8]) -> Option<u32> {
 
 /// The length of a binary file with `count` triangles.
 fn binary_length(count: u32) -> Option<u64> {
-    u64::try_from(RECORD)
-        .ok()?
-        .checked_mul(u64::from(count))?
-        .checked_add(u64::try_from(HEADER).ok()?)
+    u64::try_from(RECORD).ok()?.checked_mul(u64::from(count))?.checked_add(u64::try_from(HEADER).ok()?)
 }
 
 /// Vertices by their bits.
@@ -67,10 +58,7 @@ struct Weld {
 impl Weld {
     /// No vertices yet.
     fn new() -> Self {
-        Self {
-            sink: Sink::new(),
-            known: HashMap::new(),
-        }
+        Self { sink: Sink::new(), known: HashMap::new() }
     }
 
     /// The index of the vertex at `position`.
@@ -103,27 +91,16 @@ fn read_binary(data: &[u8]) -> Result<Soup, String> {
     };
     let length = binary_length(count).ok_or("the number of triangles is too large")?;
     if u64::try_from(have).is_ok_and(|have| have < length) {
-        return Err(format!(
-            "byte 80: {count} triangles need {length} bytes, the file has {have}"
-        ));
+        return Err(format!("byte 80: {count} triangles need {length} bytes, the file has {have}"));
     }
     let mut weld = Weld::new();
     // The length was checked above; what follows the last triangle is padding.
     let take = usize::try_from(count).map_err(|_| "the file is too large")?;
-    let records = data
-        .get(HEADER..)
-        .unwrap_or_default()
-        .chunks_exact(RECORD)
-        .take(take);
+    let records = data.get(HEADER..).unwrap_or_default().chunks_exact(RECORD).take(take);
     for (number, record) in records.enumerate() {
         corners(record)
             .and_then(|corners| weld.triangle(corners))
-            .map_err(|why| {
-                format!(
-                    "triangle {number} (byte {}): {why}",
-                    HEADER + number * RECORD
-                )
-            })?;
+            .map_err(|why| format!("triangle {number} (byte {}): {why}", HEADER + number * RECORD))?;
     }
     Ok(weld.sink.finish())
 }
@@ -135,10 +112,7 @@ fn corners(record: &[u8]) -> Result<[[f32; 3]; 3], String> {
     for (slot, bytes) in corners.as_flattened_mut().iter_mut().zip(values) {
         *slot = f32::from_le_bytes(*bytes);
     }
-    match corners
-        .iter()
-        .position(|corner| corner.iter().any(|value| !value.is_finite()))
-    {
+    match corners.iter().position(|corner| corner.iter().any(|value| !value.is_finite())) {
         Some(corner) => Err(format!("corner {corner} is not finite")),
         None => Ok(corners),
     }
@@ -146,27 +120,14 @@ fn corners(record: &[u8]) -> Result<[[f32; 3]; 3], String> {
 
 /// Reads the text form.
 fn read_text(data: &[u8]) -> Result<Soup, String> {
-    let mut reader = TextReader {
-        weld: Weld::new(),
-        in_solid: false,
-        facet: None,
-    };
+    let mut reader = TextReader { weld: Weld::new(), in_solid: false, facet: None };
     let mut lines = Lines::new(text::without_mark(data), 1);
     for (number, line) in lines.by_ref() {
-        reader
-            .line(line)
-            .map_err(|why| format!("line {number}: {why}"))?;
+        reader.line(line).map_err(|why| format!("line {number}: {why}"))?;
     }
     if reader.in_solid {
-        let inside = if reader.facet.is_some() {
-            "inside a facet"
-        } else {
-            "without endsolid"
-        };
-        return Err(format!(
-            "line {}: the file ends {inside}",
-            lines.number() - 1
-        ));
+        let inside = if reader.facet.is_some() { "inside a facet" } else { "without endsolid" };
+        return Err(format!("line {}: the file ends {inside}", lines.number() - 1));
     }
     Ok(reader.weld.sink.finish())
 }
@@ -225,21 +186,14 @@ mod tests {
         data.extend(u32::try_from(triangles.len()).unwrap().to_le_bytes());
         for triangle in triangles {
             data.extend([0; 12]);
-            data.extend(
-                triangle
-                    .as_flattened()
-                    .iter()
-                    .flat_map(|value| value.to_le_bytes()),
-            );
+            data.extend(triangle.as_flattened().iter().flat_map(|value| value.to_le_bytes()));
             data.extend([0; 2]);
         }
         data
     }
 
-    const PAIR: [[[f32; 3]; 3]; 2] = [
-        [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]],
-        [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [1.0, 1.0, 0.0]],
-    ];
+    const PAIR: [[[f32; 3]; 3]; 2] =
+        [[[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]], [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [1.0, 1.0, 0.0]]];
 
     #[test]
     fn both_forms_agree() {
@@ -249,19 +203,9 @@ mod tests {
         assert_eq!(text.positions.len(), 4);
         let upper = TEXT.to_uppercase().replace('\n', "\r\n");
         assert_eq!(read(upper.as_bytes()).unwrap().triangles, expected);
-        for header in [
-            b"".as_slice(),
-            b"solid",
-            b"solid facet normal",
-            b"ply\n",
-            b"glTF",
-            b"{",
-        ] {
+        for header in [b"".as_slice(), b"solid", b"solid facet normal", b"ply\n", b"glTF", b"{"] {
             let found = read(&binary(header, &PAIR)).unwrap();
-            assert_eq!(
-                (found.triangles.as_slice(), &found.positions),
-                (&expected[..], &text.positions)
-            );
+            assert_eq!((found.triangles.as_slice(), &found.positions), (&expected[..], &text.positions));
         }
     }
 
@@ -285,16 +229,11 @@ mod tests {
         assert_eq!(error(&liar), message);
         let whole = binary(b"solid x", &PAIR);
         assert!(error(&whole[..183]).starts_with("byte 80: 2 triangles need 184 bytes"));
-        assert!(
-            error(&whole[8..83]).contains("has 75 bytes where the binary form needs at least 84")
-        );
+        assert!(error(&whole[8..83]).contains("has 75 bytes where the binary form needs at least 84"));
         for bad in [f32::NAN, f32::INFINITY] {
             let mut broken = PAIR;
             broken[1][2][1] = bad;
-            assert_eq!(
-                error(&binary(b"", &broken)),
-                "triangle 1 (byte 134): corner 2 is not finite"
-            );
+            assert_eq!(error(&binary(b"", &broken)), "triangle 1 (byte 134): corner 2 is not finite");
         }
         assert!(read(&binary(b"", &[])).unwrap().triangles.is_empty());
     }
@@ -302,48 +241,20 @@ mod tests {
     #[test]
     fn text_faults() {
         let error = |text: &str| read(text.as_bytes()).unwrap_err();
-        assert_eq!(
-            error(&TEXT[..60]),
-            "line 5: a vertex needs 3 coordinates, this line has 0"
-        );
-        assert_eq!(
-            error(&TEXT[..TEXT.len() - 14]),
-            "line 15: the file ends without endsolid"
-        );
-        assert_eq!(
-            error("solid\nfacet"),
-            "line 2: the file ends inside a facet"
-        );
-        assert_eq!(
-            error("solid\nfacet\nendfacet"),
-            "line 3: a facet has 3 corners, this one has 0"
-        );
-        assert_eq!(
-            error("solid\n\nvertex 0 0 0"),
-            "line 3: \"vertex\" does not belong here"
-        );
-        assert_eq!(
-            error("solid\nfacet\nvertex 0 inf 0"),
-            "line 3: \"inf\" is not a finite f32"
-        );
+        assert_eq!(error(&TEXT[..60]), "line 5: a vertex needs 3 coordinates, this line has 0");
+        assert_eq!(error(&TEXT[..TEXT.len() - 14]), "line 15: the file ends without endsolid");
+        assert_eq!(error("solid\nfacet"), "line 2: the file ends inside a facet");
+        assert_eq!(error("solid\nfacet\nendfacet"), "line 3: a facet has 3 corners, this one has 0");
+        assert_eq!(error("solid\n\nvertex 0 0 0"), "line 3: \"vertex\" does not belong here");
+        assert_eq!(error("solid\nfacet\nvertex 0 inf 0"), "line 3: \"inf\" is not a finite f32");
         assert!(error("solid\nfacet\nvertex 0 1e999 0").contains("\"1e999\" is not a finite f32"));
         let four = "solid\nfacet\nvertex 0 0 0\nvertex 0 0 0\nvertex 0 0 0\nvertex 0 0 0";
-        assert_eq!(
-            error(four),
-            "line 6: a facet has 3 corners, this is a fourth"
-        );
+        assert_eq!(error(four), "line 6: a facet has 3 corners, this is a fourth");
         assert!(read(b"solid x\nendsolid x").unwrap().triangles.is_empty());
     }
 
     #[test]
     fn damaged_files_never_panic() {
-        mutate::run(
-            &[
-                TEXT.as_bytes(),
-                &binary(b"x", &PAIR),
-                &binary(b"solid", &PAIR[..1]),
-            ],
-            read,
-        );
+        mutate::run(&[TEXT.as_bytes(), &binary(b"x", &PAIR), &binary(b"solid", &PAIR[..1])], read);
     }
 }

@@ -10,8 +10,7 @@ struct Folder(PathBuf);
 impl Folder {
     /// A new folder for the test `name`.
     fn new(name: &str) -> Self {
-        let path =
-            std::env::temp_dir().join(format!("flashray-mesh-{name}-{}", std::process::id()));
+        let path = std::env::temp_dir().join(format!("flashray-mesh-{name}-{}", std::process::id()));
         fs::create_dir_all(&path).unwrap();
         Self(path)
     }
@@ -27,10 +26,7 @@ impl Folder {
         read(&self.0.join(name)).map_err(|error| {
             assert!(!error.contains('\n'), "{error}");
             let folder = format!("{}/", self.0.display());
-            error
-                .strip_prefix(&folder)
-                .unwrap_or_else(|| panic!("{error}"))
-                .to_string()
+            error.strip_prefix(&folder).unwrap_or_else(|| panic!("{error}")).to_string()
         })
     }
 }
@@ -51,23 +47,12 @@ const GLTF: &str = r#"{"asset": {"version": "2.0"}}"#;
 #[test]
 fn the_extension_chooses() {
     let folder = Folder::new("choice");
-    for (name, content) in [
-        ("a.obj", OBJ),
-        ("b.OBJ", OBJ),
-        ("c.Ply", PLY),
-        ("d.e.stl", STL),
-    ] {
+    for (name, content) in [("a.obj", OBJ), ("b.OBJ", OBJ), ("c.Ply", PLY), ("d.e.stl", STL)] {
         assert_eq!(folder.read(name, content).unwrap().triangles.len(), 1);
     }
     let known = "(known: .obj .ply .stl .gltf .glb)";
-    assert_eq!(
-        folder.read_only("a.off").unwrap_err(),
-        format!("a.off: unknown extension .off {known}")
-    );
-    assert_eq!(
-        folder.read_only("obj").unwrap_err(),
-        format!("obj: the name has no extension {known}")
-    );
+    assert_eq!(folder.read_only("a.off").unwrap_err(), format!("a.off: unknown extension .off {known}"));
+    assert_eq!(folder.read_only("obj").unwrap_err(), format!("obj: the name has no extension {known}"));
 }
 
 #[test]
@@ -103,46 +88,28 @@ fn content_of_another_format() {
 fn files_without_triangles() {
     let folder = Folder::new("empty");
     for name in ["a.obj", "a.ply", "a.stl", "a.gltf", "a.glb"] {
-        assert_eq!(
-            folder.read(name, "").unwrap_err(),
-            format!("{name}: the file is empty (0 bytes)")
-        );
+        assert_eq!(folder.read(name, "").unwrap_err(), format!("{name}: the file is empty (0 bytes)"));
     }
     let points = PLY.replace("face 1", "face 0").replace("3 0 0 0\n", "");
-    for (name, content) in [
-        ("a.obj", "v 0 0 0\n"),
-        ("a.ply", points.as_str()),
-        ("a.stl", "solid\nendsolid\n"),
-        ("a.gltf", GLTF),
-    ] {
-        assert_eq!(
-            folder.read(name, content).unwrap_err(),
-            format!("{name}: no triangles")
-        );
+    for (name, content) in
+        [("a.obj", "v 0 0 0\n"), ("a.ply", points.as_str()), ("a.stl", "solid\nendsolid\n"), ("a.gltf", GLTF)]
+    {
+        assert_eq!(folder.read(name, content).unwrap_err(), format!("{name}: no triangles"));
     }
 }
 
 #[test]
 fn what_is_not_a_readable_file() {
     let folder = Folder::new("files");
-    assert_eq!(
-        folder.read_only("no.obj").unwrap_err(),
-        "no.obj: no such file"
-    );
+    assert_eq!(folder.read_only("no.obj").unwrap_err(), "no.obj: no such file");
     fs::create_dir(folder.0.join("sub.obj")).unwrap();
-    assert_eq!(
-        folder.read_only("sub.obj").unwrap_err(),
-        "sub.obj: is a directory, not a mesh file"
-    );
+    assert_eq!(folder.read_only("sub.obj").unwrap_err(), "sub.obj: is a directory, not a mesh file");
     assert!(folder.read_only("no.obj/x.obj").is_err());
     #[cfg(unix)]
     {
         use std::os::unix::fs::{PermissionsExt, symlink};
         symlink("/dev/zero", folder.0.join("zero.obj")).unwrap();
-        assert_eq!(
-            folder.read_only("zero.obj").unwrap_err(),
-            "zero.obj: is not a regular file"
-        );
+        assert_eq!(folder.read_only("zero.obj").unwrap_err(), "zero.obj: is not a regular file");
         let locked = folder.0.join("locked.obj");
         fs::write(&locked, OBJ).unwrap();
         fs::set_permissions(&locked, fs::Permissions::from_mode(0o000)).unwrap();
@@ -158,10 +125,7 @@ fn errors_are_one_line() {
     assert_eq!(one_line("a\nb\tc\u{85}\u{7f}d"), "a\\nb\\tc\\u{85}\\u{7f}d");
     let folder = Folder::new("line");
     let error = folder.read("a\nb.obj", "f 1\x0b2\r\n").unwrap_err();
-    assert_eq!(
-        error,
-        "a\\nb.obj: line 1: \"1\\u{b}2\" is not a vertex index"
-    );
+    assert_eq!(error, "a\\nb.obj: line 1: \"1\\u{b}2\" is not a vertex index");
 }
 
 /// The real meshes next to the project, if they are there.

@@ -9,10 +9,7 @@ pub struct Lines<'a> {
 impl<'a> Lines<'a> {
     /// The lines of `text`, the first of which has the number `first`.
     pub const fn new(text: &'a [u8], first: u64) -> Self {
-        Self {
-            rest: text,
-            next: first,
-        }
+        Self { rest: text, next: first }
     }
 
     /// The number of the line that comes next.
@@ -28,15 +25,9 @@ impl<'a> Iterator for Lines<'a> {
         if self.rest.is_empty() {
             return None;
         }
-        let end = self
-            .rest
-            .iter()
-            .position(|byte| matches!(byte, b'\n' | b'\r'));
+        let end = self.rest.iter().position(|byte| matches!(byte, b'\n' | b'\r'));
         let (line, rest) = self.rest.split_at(end.unwrap_or(self.rest.len()));
-        self.rest = rest
-            .strip_prefix(b"\r\n")
-            .or_else(|| rest.get(1..))
-            .unwrap_or_default();
+        self.rest = rest.strip_prefix(b"\r\n").or_else(|| rest.get(1..)).unwrap_or_default();
         let number = self.next;
         self.next += 1;
         Some((number, line))
@@ -45,8 +36,7 @@ impl<'a> Iterator for Lines<'a> {
 
 /// The words of a line, which blanks and tabs separate.
 pub fn words(line: &[u8]) -> impl Iterator<Item = &[u8]> {
-    line.split(u8::is_ascii_whitespace)
-        .filter(|word| !word.is_empty())
+    line.split(u8::is_ascii_whitespace).filter(|word| !word.is_empty())
 }
 
 /// A finite number, rounded once to `f32`.
@@ -68,19 +58,14 @@ pub fn point<'a>(words: impl Iterator<Item = &'a [u8]>) -> Result<[f32; 3], Stri
         found += 1;
     }
     if found < 3 {
-        return Err(format!(
-            "a vertex needs 3 coordinates, this line has {found}"
-        ));
+        return Err(format!("a vertex needs 3 coordinates, this line has {found}"));
     }
     Ok(position)
 }
 
 /// A whole number; `what` says what it should have been.
 pub fn whole(word: &[u8], what: &str) -> Result<i64, String> {
-    str::from_utf8(word)
-        .ok()
-        .and_then(|word| word.parse().ok())
-        .ok_or_else(|| format!("{} is not {what}", quote(word)))
+    str::from_utf8(word).ok().and_then(|word| word.parse().ok()).ok_or_else(|| format!("{} is not {what}", quote(word)))
 }
 
 /// A word in quotation marks, cut short if it is long.
@@ -111,27 +96,10 @@ mod tests {
 
     #[test]
     fn numbers_of_every_spelling() {
-        for (word, value) in [
-            ("1e-3", 1e-3),
-            ("+.5", 0.5),
-            ("-2.", -2.0),
-            ("7", 7.0),
-            ("1E2", 1e2),
-        ] {
+        for (word, value) in [("1e-3", 1e-3), ("+.5", 0.5), ("-2.", -2.0), ("7", 7.0), ("1E2", 1e2)] {
             assert_eq!(real(word.as_bytes()), Ok(value));
         }
-        for word in [
-            "",
-            "x",
-            "1e",
-            "0x1",
-            "1,5",
-            "nan",
-            "inf",
-            "-infinity",
-            "1e999",
-            "\u{665}",
-        ] {
+        for word in ["", "x", "1e", "0x1", "1,5", "nan", "inf", "-infinity", "1e999", "\u{665}"] {
             assert!(real(word.as_bytes()).is_err(), "{word}");
         }
         assert_eq!(real(b"1e999").unwrap_err(), "\"1e999\" is not a finite f32");

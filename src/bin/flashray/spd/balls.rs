@@ -10,11 +10,7 @@ pub const RECIPE: Recipe = Recipe {
     sizes: [0, 7],
     build,
     setting,
-    anchor: Anchor {
-        hits_ours: 263_169,
-        hits_published: Some(263_169),
-        mean_t: 4.227_042_899,
-    },
+    anchor: Anchor { hits_ours: 263_169, hits_published: Some(263_169), mean_t: 4.227_042_899 },
 };
 
 fn setting(_: u32) -> (View, Vec<Vec3>) {
@@ -24,16 +20,7 @@ fn setting(_: u32) -> (View, Vec<Vec3>) {
 
 fn build(depth: u32, out: &mut dyn Sink) {
     floor(out, 12.0, -0.5);
-    ball(
-        out,
-        &directions(),
-        depth,
-        Ball {
-            center: ORIGIN,
-            radius: 0.5,
-            axis: Z,
-        },
-    );
+    ball(out, &directions(), depth, Ball { center: ORIGIN, radius: 0.5, axis: Z });
 }
 
 #[derive(Clone, Copy)]
@@ -54,11 +41,7 @@ fn directions() -> [Vec3; 9] {
 }
 
 fn ball(out: &mut dyn Sink, directions: &[Vec3; 9], depth: u32, parent: Ball) {
-    let Ball {
-        center,
-        radius,
-        axis,
-    } = parent;
+    let Ball { center, radius, axis } = parent;
     out.sphere(center, radius);
     if depth == 0 {
         return;
@@ -68,16 +51,7 @@ fn ball(out: &mut dyn Sink, directions: &[Vec3; 9], depth: u32, parent: Ball) {
         let axis = turn(&orient, direction);
         // The two radii, r and r/3.
         let center = add(center, scale(4.0 * radius / 3.0, axis));
-        ball(
-            out,
-            directions,
-            depth - 1,
-            Ball {
-                center,
-                radius: radius / 3.0,
-                axis,
-            },
-        );
+        ball(out, directions, depth - 1, Ball { center, radius: radius / 3.0, axis });
     }
 }
 

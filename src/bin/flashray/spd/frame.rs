@@ -37,11 +37,7 @@ pub fn dot(a: Vec3, b: Vec3) -> f64 {
 
 /// The vector product.
 pub fn cross(a: Vec3, b: Vec3) -> Vec3 {
-    [
-        a[1] * b[2] - a[2] * b[1],
-        a[2] * b[0] - a[0] * b[2],
-        a[0] * b[1] - a[1] * b[0],
-    ]
+    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }
 
 /// `a` at length 1; `a` must not be zero.
@@ -57,13 +53,7 @@ pub fn turn(m: &Mat3, a: Vec3) -> Vec3 {
 /// The product: first `b`, then `a`.
 pub fn compose(a: &Mat3, b: &Mat3) -> Mat3 {
     let column = |j: usize| [b[0][j], b[1][j], b[2][j]];
-    a.map(|row| {
-        [
-            dot(row, column(0)),
-            dot(row, column(1)),
-            dot(row, column(2)),
-        ]
-    })
+    a.map(|row| [dot(row, column(0)), dot(row, column(1)), dot(row, column(2))])
 }
 
 /// The rotation about a unit axis by an angle in radians.

@@ -11,24 +11,14 @@ pub const RECIPE: Recipe = Recipe {
     sizes: [1, 30],
     build,
     setting,
-    anchor: Anchor {
-        hits_ours: 245_332,
-        hits_published: Some(245_332),
-        mean_t: 2.841_401_488,
-    },
+    anchor: Anchor { hits_ours: 245_332, hits_published: Some(245_332), mean_t: 2.841_401_488 },
 };
 
 /// Teeth of every gear.
 pub const TEETH: u32 = 36;
 
 fn setting(_: u32) -> (View, Vec<Vec3>) {
-    let lights = vec![
-        [2.0, 4.0, 4.0],
-        [-2.0, 4.0, 3.0],
-        [2.0, -2.5, 2.5],
-        [-1.0, -4.0, 2.0],
-        [-1.111, -2.121, 2.626],
-    ];
+    let lights = vec![[2.0, 4.0, 4.0], [-2.0, 4.0, 3.0], [2.0, -2.5, 2.5], [-1.0, -4.0, 2.0], [-1.111, -2.121, 2.626]];
     (View::new([-1.1, -2.1, 2.6], ORIGIN, Z), lights)
 }
 
@@ -46,12 +36,7 @@ fn build(size: u32, out: &mut dyn Sink) {
                 let at = [1.9 * outer * x - 1.0 + outer, 1.9 * outer * y - 1.0 + outer];
                 // Every other gear is turned by half a tooth.
                 let odd = (ix + iy + iz) % 2 == 1;
-                gear(
-                    out,
-                    &face,
-                    &outline(at, outer, odd),
-                    [1.0 - z / side, height],
-                );
+                gear(out, &face, &outline(at, outer, odd), [1.0 - z / side, height]);
             }
         }
     }
@@ -74,12 +59,7 @@ pub fn outline([x, y]: [f64; 2], outer: f64, odd: bool) -> Vec<[f64; 2]> {
 
 /// Upper face, sides, lower face.
 fn gear(out: &mut dyn Sink, face: &[[u32; 3]], outline: &[[f64; 2]], [z, height]: [f64; 2]) {
-    let mut ring = |z: f64| -> Vec<u32> {
-        outline
-            .iter()
-            .map(|&[x, y]| out.corner([x, y, z]))
-            .collect()
-    };
+    let mut ring = |z: f64| -> Vec<u32> { outline.iter().map(|&[x, y]| out.corner([x, y, z])).collect() };
     let (upper, lower) = (ring(z), ring(z - height));
     for &corners in face {
         out.triangle(corners.map(|i| upper[i as usize]));

@@ -8,26 +8,16 @@ pub const RECIPE: Recipe = Recipe {
     sizes: [1, 7],
     build,
     setting,
-    anchor: Anchor {
-        hits_ours: 72_540,
-        hits_published: None,
-        mean_t: 7.730_674_299,
-    },
+    anchor: Anchor { hits_ours: 72_540, hits_published: None, mean_t: 7.730_674_299 },
 };
 
 fn setting(_: u32) -> (View, Vec<Vec3>) {
-    let view = View {
-        fov: 25.0,
-        ..View::new([0.0, 0.0, -8.0], ORIGIN, Y)
-    };
+    let view = View { fov: 25.0, ..View::new([0.0, 0.0, -8.0], ORIGIN, Y) };
     (view, vec![[-10.0, 3.0, -20.0]])
 }
 
 fn build(size: u32, out: &mut dyn Sink) {
-    let pose = compose(
-        &about(X, -30_f64.to_radians()),
-        &about(Y, -20_f64.to_radians()),
-    );
+    let pose = compose(&about(X, -30_f64.to_radians()), &about(Y, -20_f64.to_radians()));
     jack(out, &pose, size, ORIGIN, 1.0);
 }
 
@@ -51,11 +41,7 @@ fn jack(out: &mut dyn Sink, pose: &Mat3, depth: u32, center: Vec3, side: f64) {
     }
     for octant in 0..8 {
         let shift = |bit: u32| {
-            if octant >> bit & 1 == 0 {
-                -0.5 * side
-            } else {
-                0.5 * side
-            }
+            if octant >> bit & 1 == 0 { -0.5 * side } else { 0.5 * side }
         };
         let center = add(center, [shift(2), shift(1), shift(0)]);
         jack(out, pose, depth - 1, center, side / 2.0);

@@ -8,11 +8,7 @@ pub const RECIPE: Recipe = Recipe {
     sizes: [1, 160],
     build,
     setting,
-    anchor: Anchor {
-        hits_ours: 261_171,
-        hits_published: Some(261_170),
-        mean_t: 0.229_509_720,
-    },
+    anchor: Anchor { hits_ours: 261_171, hits_published: Some(261_170), mean_t: 0.229_509_720 },
 };
 
 /// The eye stands between balls, on the face y = 1, and looks down into the lattice.
@@ -20,12 +16,7 @@ fn setting(size: u32) -> (View, Vec<Vec3>) {
     let middle = (f64::from(size / 2) + 0.5) / f64::from(size);
     let half = 0.5 / f64::from(size);
     let from = [middle, 1.0, 1.0 - half];
-    let view = View {
-        from,
-        at: [middle, -1.0, -1.0 - half],
-        up: [0.2, 1.0, 0.0],
-        fov: 60.0,
-    };
+    let view = View { from, at: [middle, -1.0, -1.0 - half], up: [0.2, 1.0, 0.0], fov: 60.0 };
     let mut lights = Vec::new();
     for axis in 0..3 {
         for place in [2.0, -1.0] {

@@ -121,14 +121,7 @@ pub fn scene(spec: &str) -> Result<Spd, String> {
     let (recipe, size) = build(spec, &mut soup)?;
     let (view, lights) = (recipe.setting)(size);
     let anchor = (size == recipe.default).then_some(recipe.anchor);
-    Ok(Spd {
-        name: recipe.name,
-        size,
-        soup,
-        view,
-        lights,
-        anchor,
-    })
+    Ok(Spd { name: recipe.name, size, soup, view, lights, anchor })
 }
 
 /// Sends the primitives of the scene `spec` to `out`, unrounded.

@@ -10,28 +10,17 @@ pub const RECIPE: Recipe = Recipe {
     sizes: [0, 7],
     build,
     setting,
-    anchor: Anchor {
-        hits_ours: 173_686,
-        hits_published: Some(173_685),
-        mean_t: 1.917_304_661,
-    },
+    anchor: Anchor { hits_ours: 173_686, hits_published: Some(173_685), mean_t: 1.917_304_661 },
 };
 
 fn setting(_: u32) -> (View, Vec<Vec3>) {
-    (
-        View::new([-1.6, 1.6, 1.7], ORIGIN, Z),
-        vec![[-100.0, -100.0, 100.0]],
-    )
+    (View::new([-1.6, 1.6, 1.7], ORIGIN, Z), vec![[-100.0, -100.0, 100.0]])
 }
 
 fn build(size: u32, out: &mut dyn Sink) {
     balls(out);
     let mut field = Field::new(size);
-    let whole = Square {
-        x: 0,
-        y: 0,
-        width: field.cells,
-    };
+    let whole = Square { x: 0, y: 0, width: field.cells };
     field.rise(whole);
     let corners = field.corners(out);
     field.emit(out, &corners, whole);
@@ -75,22 +64,13 @@ impl Square {
     fn quarters(self) -> [Self; 4] {
         let Self { x, y, width } = self;
         let half = width / 2;
-        [[x, y], [x + half, y], [x + half, y + half], [x, y + half]].map(|[x, y]| Self {
-            x,
-            y,
-            width: half,
-        })
+        [[x, y], [x + half, y], [x + half, y + half], [x, y + half]].map(|[x, y]| Self { x, y, width: half })
     }
 
     /// Counter-clockwise from the lower left.
     fn corners(self) -> [[u32; 2]; 4] {
         let Self { x, y, width } = self;
-        [
-            [x, y],
-            [x + width, y],
-            [x + width, y + width],
-            [x, y + width],
-        ]
+        [[x, y], [x + width, y], [x + width, y + width], [x, y + width]]
     }
 }
 
@@ -98,11 +78,7 @@ impl Field {
     fn new(size: u32) -> Self {
         let cells = 1 << size;
         let side = cells as usize + 1;
-        Self {
-            size,
-            cells,
-            heights: vec![0.0; side * side],
-        }
+        Self { size, cells, heights: vec![0.0; side * side] }
     }
 
     fn index(&self, [x, y]: [u32; 2]) -> usize {
@@ -160,10 +136,7 @@ impl Field {
     /// Two triangles per cell, quarter by quarter.
     fn emit(&self, out: &mut dyn Sink, corners: &[u32], square: Square) {
         if square.width > 1 {
-            square
-                .quarters()
-                .into_iter()
-                .for_each(|quarter| self.emit(out, corners, quarter));
+            square.quarters().into_iter().for_each(|quarter| self.emit(out, corners, quarter));
             return;
         }
         let [a, b, c, d] = square.corners().map(|at| corners[self.index(at)]);

@@ -9,11 +9,7 @@ pub const RECIPE: Recipe = Recipe {
     sizes: [1, 93],
     build,
     setting,
-    anchor: Anchor {
-        hits_ours: 263_169,
-        hits_published: Some(263_169),
-        mean_t: 16.501_342_328,
-    },
+    anchor: Anchor { hits_ours: 263_169, hits_published: Some(263_169), mean_t: 16.501_342_328 },
 };
 
 /// Radius of tubes and joints.
@@ -38,11 +34,7 @@ fn build(size: u32, out: &mut dyn Sink) {
         for z in 0..=layer {
             for x in 0..=layer {
                 let across = [x, z].map(|i| 2.0 * f64::from(i) - depth);
-                object(
-                    out,
-                    &rings,
-                    [across[0], spacing() * (depth + 1.0), across[1]],
-                );
+                object(out, &rings, [across[0], spacing() * (depth + 1.0), across[1]]);
             }
         }
     }
@@ -60,10 +52,7 @@ fn wall(out: &mut dyn Sink, size: u32) {
 /// The corners of six pentagons, one in each plane through the centre of a dodecahedron that is
 /// parallel to a face.
 fn rings() -> [[Vec3; 5]; 6] {
-    let tilt = about(
-        X,
-        2.0 * libm::acos(libm::cos(PI / 3.0) / libm::sin(PI / 5.0)),
-    );
+    let tilt = about(X, 2.0 * libm::acos(libm::cos(PI / 3.0) / libm::sin(PI / 5.0)));
     let plane = |k: u32| -> Mat3 {
         match k {
             0 => about(Z, 0.0),
@@ -75,9 +64,7 @@ fn rings() -> [[Vec3; 5]; 6] {
         let angle = TAU * f64::from(i) / 5.0;
         [radius * libm::cos(angle), radius * libm::sin(angle), 0.0]
     };
-    [0, 1, 2, 3, 4, 5]
-        .map(plane)
-        .map(|m| [0, 1, 2, 3, 4].map(|i| turn(&m, corner(i))))
+    [0, 1, 2, 3, 4, 5].map(plane).map(|m| [0, 1, 2, 3, 4].map(|i| turn(&m, corner(i))))
 }
 
 /// One object: tubes along the pentagons, a ball at every joint.

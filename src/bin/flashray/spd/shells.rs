@@ -9,18 +9,11 @@ pub const RECIPE: Recipe = Recipe {
     sizes: [0, 16],
     build,
     setting,
-    anchor: Anchor {
-        hits_ours: 79_188,
-        hits_published: None,
-        mean_t: 70.493_538_294,
-    },
+    anchor: Anchor { hits_ours: 79_188, hits_published: None, mean_t: 70.493_538_294 },
 };
 
 fn setting(_: u32) -> (View, Vec<Vec3>) {
-    (
-        View::new([-6.0, -60.0, 35.0], [0.0, 8.0, -15.0], Z),
-        vec![[-100.0, -100.0, 100.0]],
-    )
+    (View::new([-6.0, -60.0, 35.0], [0.0, 8.0, -15.0], Z), vec![[-100.0, -100.0, 100.0]])
 }
 
 fn build(size: u32, out: &mut dyn Sink) {
@@ -29,11 +22,7 @@ fn build(size: u32, out: &mut dyn Sink) {
     for i in -(2 * steps / 3)..=steps / 3 {
         let angle = 18.0 * PI * f64::from(i) / f64::from(steps);
         let radius = libm::exp(0.15 * angle);
-        let center = [
-            radius * libm::sin(angle),
-            radius * libm::cos(angle),
-            -2.0 * radius,
-        ];
+        let center = [radius * libm::sin(angle), radius * libm::cos(angle), -2.0 * radius];
         out.sphere(center, radius);
     }
 }

@@ -27,12 +27,7 @@ pub trait Sink {
 
 /// The horizontal square |x|, |y| <= `half` at height `z`.
 pub fn floor(out: &mut dyn Sink, half: f64, z: f64) {
-    let corners = [
-        [half, half, z],
-        [-half, half, z],
-        [-half, -half, z],
-        [half, -half, z],
-    ];
+    let corners = [[half, half, z], [-half, half, z], [-half, -half, z], [half, -half, z]];
     let corners = corners.map(|point| out.corner(point));
     out.quad(corners);
 }
@@ -49,32 +44,18 @@ impl Sink for Soup {
     }
 
     fn sphere(&mut self, center: Vec3, radius: f64) {
-        self.spheres.push(Sphere {
-            center: round(center),
-            radius: narrow(radius),
-        });
+        self.spheres.push(Sphere { center: round(center), radius: narrow(radius) });
     }
 
     fn cylinder(&mut self, base: Vec3, top: Vec3, radius: f64) {
         let [base, top] = [base, top].map(round);
-        self.cylinders.push(Cylinder {
-            base,
-            top,
-            radius: narrow(radius),
-            caps: 0,
-        });
+        self.cylinders.push(Cylinder { base, top, radius: narrow(radius), caps: 0 });
     }
 
     fn cone(&mut self, base: Vec3, top: Vec3, radii: [f64; 2]) {
         let [base, top] = [base, top].map(round);
         let [base_radius, top_radius] = radii.map(narrow);
-        self.cones.push(Cone {
-            base,
-            top,
-            base_radius,
-            top_radius,
-            caps: 0,
-        });
+        self.cones.push(Cone { base, top, base_radius, top_radius, caps: 0 });
     }
 }
 

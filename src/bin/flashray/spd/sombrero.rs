@@ -9,18 +9,11 @@ pub const RECIPE: Recipe = Recipe {
     sizes: [1, 7],
     build,
     setting,
-    anchor: Anchor {
-        hits_ours: 112_239,
-        hits_published: None,
-        mean_t: 11.989_107_244,
-    },
+    anchor: Anchor { hits_ours: 112_239, hits_published: None, mean_t: 11.989_107_244 },
 };
 
 fn setting(_: u32) -> (View, Vec<Vec3>) {
-    let view = View {
-        fov: 40.0,
-        ..View::new([0.0, 5.0, -8.0], ORIGIN, Z)
-    };
+    let view = View { fov: 40.0, ..View::new([0.0, 5.0, -8.0], ORIGIN, Z) };
     (view, vec![[10.0, 10.0, -10.0]])
 }
 

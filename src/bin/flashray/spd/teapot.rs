@@ -11,11 +11,7 @@ pub const RECIPE: Recipe = Recipe {
     sizes: [1, 504],
     build,
     setting,
-    anchor: Anchor {
-        hits_ours: 161_546,
-        hits_published: Some(161_546),
-        mean_t: 8.630_602_856,
-    },
+    anchor: Anchor { hits_ours: 161_546, hits_published: Some(161_546), mean_t: 8.630_602_856 },
 };
 
 /// Control points of a bicubic patch; `s` runs over the rows, `t` along them.
@@ -29,47 +25,17 @@ const fn round(radius: f64, height: f64) -> [f64; 3] {
     [radius, 0.56 * radius, height]
 }
 
-const RIM: Profile = [
-    round(1.4, 2.4),
-    round(1.3375, 2.53125),
-    round(1.4375, 2.53125),
-    round(1.5, 2.4),
-];
+const RIM: Profile = [round(1.4, 2.4), round(1.3375, 2.53125), round(1.4375, 2.53125), round(1.5, 2.4)];
 const BODY: [Profile; 2] = [
-    [
-        round(1.5, 2.4),
-        round(1.75, 1.875),
-        round(2.0, 1.35),
-        round(2.0, 0.9),
-    ],
-    [
-        round(2.0, 0.9),
-        round(2.0, 0.45),
-        round(1.5, 0.225),
-        round(1.5, 0.15),
-    ],
+    [round(1.5, 2.4), round(1.75, 1.875), round(2.0, 1.35), round(2.0, 0.9)],
+    [round(2.0, 0.9), round(2.0, 0.45), round(1.5, 0.225), round(1.5, 0.15)],
 ];
 /// The second row is not quite round in the original.
 const LID: [Profile; 2] = [
-    [
-        round(0.0, 3.15),
-        [0.8, 0.45, 3.15],
-        round(0.0, 2.85),
-        round(0.2, 2.7),
-    ],
-    [
-        round(0.2, 2.7),
-        round(0.4, 2.55),
-        round(1.3, 2.55),
-        round(1.3, 2.4),
-    ],
+    [round(0.0, 3.15), [0.8, 0.45, 3.15], round(0.0, 2.85), round(0.2, 2.7)],
+    [round(0.2, 2.7), round(0.4, 2.55), round(1.3, 2.55), round(1.3, 2.4)],
 ];
-const BOTTOM: Profile = [
-    round(0.0, 0.0),
-    round(1.425, 0.0),
-    round(1.5, 0.075),
-    round(1.5, 0.15),
-];
+const BOTTOM: Profile = [round(0.0, 0.0), round(1.425, 0.0), round(1.5, 0.075), round(1.5, 0.15)];
 
 /// Four rows of a patch that spans the plane y = 0: x and z of the inner point, x and z of the outer
 /// one, and how far the two points between them stand off the plane.
@@ -105,10 +71,7 @@ const SPOUT: [Strip; 2] = [
 ];
 
 fn setting(_: u32) -> (View, Vec<Vec3>) {
-    (
-        View::new([4.86, 7.2, 5.4], ORIGIN, Z),
-        vec![[-3.1, 9.8, 12.1], [11.3, 5.1, 8.8]],
-    )
+    (View::new([4.86, 7.2, 5.4], ORIGIN, Z), vec![[-3.1, 9.8, 12.1], [11.3, 5.1, 8.8]])
 }
 
 fn build(size: u32, out: &mut dyn Sink) {
@@ -164,9 +127,7 @@ fn turned(profile: &Profile) -> [Patch; 4] {
 
 /// Both sides of a strip.
 fn mirrored(strip: &Strip) -> [Patch; 2] {
-    let side = |h: f64, [xi, zi, xo, zo, _]: [f64; 5]| {
-        [[xi, 0.0, zi], [xi, h, zi], [xo, h, zo], [xo, 0.0, zo]]
-    };
+    let side = |h: f64, [xi, zi, xo, zo, _]: [f64; 5]| [[xi, 0.0, zi], [xi, h, zi], [xo, h, zo], [xo, 0.0, zo]];
     let near = strip.map(|row| side(-row[4], row));
     let far = strip.map(|row| {
         let mut points = side(row[4], row);
@@ -184,8 +145,7 @@ fn mesh(out: &mut dyn Sink, patch: &Patch, size: u32) {
     let on_axis = |&&i: &&usize| points[i][0].abs() < 1e-4 && points[i][1].abs() < 1e-4;
     for i in 0..size {
         for j in 0..size {
-            let [a, b, c, d] =
-                [[i, j], [i, j + 1], [i + 1, j + 1], [i + 1, j]].map(|[i, j]| at(size, i, j));
+            let [a, b, c, d] = [[i, j], [i, j + 1], [i + 1, j + 1], [i + 1, j]].map(|[i, j]| at(size, i, j));
             for corners in [[a, b, c], [c, d, a]] {
                 if corners.iter().filter(on_axis).count() < 2 {
                     out.triangle(corners.map(|i| numbers[i]));

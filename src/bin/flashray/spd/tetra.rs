@@ -8,29 +8,17 @@ pub const RECIPE: Recipe = Recipe {
     sizes: [1, 12],
     build,
     setting,
-    anchor: Anchor {
-        hits_ours: 49_949,
-        hits_published: Some(49_950),
-        mean_t: 3.727_775_095,
-    },
+    anchor: Anchor { hits_ours: 49_949, hits_published: Some(49_950), mean_t: 3.727_775_095 },
 };
 
 /// The corners of a cube whose signs multiply to +1.
-const CORNERS: [Vec3; 4] = [
-    [-1.0, -1.0, 1.0],
-    [-1.0, 1.0, -1.0],
-    [1.0, -1.0, -1.0],
-    [1.0, 1.0, 1.0],
-];
+const CORNERS: [Vec3; 4] = [[-1.0, -1.0, 1.0], [-1.0, 1.0, -1.0], [1.0, -1.0, -1.0], [1.0, 1.0, 1.0]];
 
 /// View and light are those of Kay and Kajiya, turned; the light as in the first edition of 1987.
 fn setting(_: u32) -> (View, Vec<Vec3>) {
     let from = [1.022_846, -3.177_154, -2.174_512];
     let at = [-0.004_103, -0.004_103, 0.216_539];
-    (
-        View::new(from, at, [-0.816_497, -0.816_497, 0.816_497]),
-        vec![[1.876_066, -18.123_936, -5.000_422]],
-    )
+    (View::new(from, at, [-0.816_497, -0.816_497, 0.816_497]), vec![[1.876_066, -18.123_936, -5.000_422]])
 }
 
 fn build(size: u32, out: &mut dyn Sink) {
@@ -47,11 +35,6 @@ fn tetra(out: &mut dyn Sink, depth: u32, center: Vec3, half: f64) {
         return;
     }
     for corner in CORNERS {
-        tetra(
-            out,
-            depth - 1,
-            add(center, scale(half / 2.0, corner)),
-            half / 2.0,
-        );
+        tetra(out, depth - 1, add(center, scale(half / 2.0, corner)), half / 2.0);
     }
 }

@@ -9,11 +9,7 @@ pub const RECIPE: Recipe = Recipe {
     sizes: [0, 22],
     build,
     setting,
-    anchor: Anchor {
-        hits_ours: 169_911,
-        hits_published: Some(169_907),
-        mean_t: 10.052_031_512,
-    },
+    anchor: Anchor { hits_ours: 169_911, hits_published: Some(169_907), mean_t: 10.052_031_512 },
 };
 
 fn setting(_: u32) -> (View, Vec<Vec3>) {
@@ -36,16 +32,7 @@ fn build(size: u32, out: &mut dyn Sink) {
         let placed = compose(&about(Z, turn.to_radians()), &about(X, tilt.to_radians()));
         placed.map(|row| scale(length, row))
     });
-    branch(
-        out,
-        &twigs,
-        size,
-        Branch {
-            foot: ORIGIN,
-            frame: about(Z, 0.0),
-            girth: 1.0,
-        },
-    );
+    branch(out, &twigs, size, Branch { foot: ORIGIN, frame: about(Z, 0.0), girth: 1.0 });
 }
 
 #[derive(Clone, Copy)]
@@ -57,12 +44,7 @@ struct Branch {
     girth: f64,
 }
 
-fn branch(
-    out: &mut dyn Sink,
-    twigs: &[Mat3; 2],
-    depth: u32,
-    Branch { foot, frame, girth }: Branch,
-) {
+fn branch(out: &mut dyn Sink, twigs: &[Mat3; 2], depth: u32, Branch { foot, frame, girth }: Branch) {
     let tip = add(foot, turn(&frame, Z));
     let [thick, thin] = [0.15 * girth, 0.1005 * girth];
     out.cone(foot, tip, [thick, thin]);
@@ -71,11 +53,7 @@ fn branch(
         return;
     }
     for twig in twigs {
-        let next = Branch {
-            foot: tip,
-            frame: compose(&frame, twig),
-            girth: 0.67 * girth,
-        };
+        let next = Branch { foot: tip, frame: compose(&frame, twig), girth: 0.67 * girth };
         branch(out, twigs, depth - 1, next);
     }
 }

@@ -18,12 +18,7 @@ pub struct View {
 impl View {
     /// A view of the SPD's usual 45 degrees.
     pub(super) const fn new(from: Vec3, at: Vec3, up: Vec3) -> Self {
-        Self {
-            from,
-            at,
-            up,
-            fov: 45.0,
-        }
+        Self { from, at, up, fov: 45.0 }
     }
 
     /// The SPD test rays, origin and unit direction rounded once to `f32`.
@@ -32,8 +27,7 @@ impl View {
     /// the top, each row from left to right. `n` is at least 2; the published counts have 513.
     pub fn rays(&self, n: u32) -> impl Iterator<Item = ([f32; 3], [f32; 3])> + use<> {
         let origin = round(self.from);
-        self.directions(n)
-            .map(move |direction| (origin, round(direction)))
+        self.directions(n).map(move |direction| (origin, round(direction)))
     }
 
     /// The unrounded unit directions of [`rays`](Self::rays).
@@ -47,11 +41,6 @@ impl View {
         // Both edges and, for even pixel counts, the middle come out without rounding error.
         let screen = move |k: u32| (2.0 * f64::from(k) - pixels) / pixels;
         let corners = (0..n).flat_map(move |row| (0..n).map(move |column| (row, column)));
-        corners.map(move |(row, column)| {
-            unit(add(
-                ahead,
-                add(scale(screen(column), right), scale(-screen(row), up)),
-            ))
-        })
+        corners.map(move |(row, column)| unit(add(ahead, add(scale(screen(column), right), scale(-screen(row), up)))))
     }
 }

@@ -57,11 +57,7 @@ impl Component {
         for (slot, bytes) in position.iter_mut().zip(bytes.chunks_exact(self.size())) {
             let value = self.value(bytes).unwrap_or(f64::NAN);
             // The least value of a signed type is a little below -1.
-            *slot = if is_normalized {
-                (value / self.scale()).max(-1.0)
-            } else {
-                value
-            };
+            *slot = if is_normalized { (value / self.scale()).max(-1.0) } else { value };
         }
         position
     }
@@ -81,11 +77,7 @@ impl Component {
     fn index(self, bytes: &[u8]) -> Option<u32> {
         match self {
             Self::U8 => bytes.first().copied().map(u32::from),
-            Self::U16 => bytes
-                .first_chunk()
-                .copied()
-                .map(u16::from_le_bytes)
-                .map(u32::from),
+            Self::U16 => bytes.first_chunk().copied().map(u16::from_le_bytes).map(u32::from),
             Self::U32 => bytes.first_chunk().copied().map(u32::from_le_bytes),
             _ => None,
         }
@@ -106,46 +98,28 @@ impl<'a> Elements<'a> {
         let view = json::index(place, "bufferView")?.ok_or("bufferView is missing")?;
         let (bytes, stride) = buffers.view(view)?;
         let start = json::number(place, "byteOffset")?.unwrap_or(0);
-        let stride = stride
-            .map_or(Ok(size), usize::try_from)
-            .map_err(|_| "byteStride is too large")?;
+        let stride = stride.map_or(Ok(size), usize::try_from).map_err(|_| "byteStride is too large")?;
         if stride < size {
-            return Err(format!(
-                "a byteStride of {stride} for elements of {size} bytes"
-            ));
+            return Err(format!("a byteStride of {stride} for elements of {size} bytes"));
         }
         let wide = |value: usize| u128::try_from(value).unwrap_or(u128::MAX);
         let span = match count.checked_sub(1) {
             None => 0,
-            Some(before) => wide(before)
-                .saturating_mul(wide(stride))
-                .saturating_add(wide(size)),
+            Some(before) => wide(before).saturating_mul(wide(stride)).saturating_add(wide(size)),
         };
         let end = span.saturating_add(u128::from(start));
         if end > wide(bytes.len()) {
             let have = bytes.len();
-            return Err(format!(
-                "{count} elements need {end} bytes, bufferView {view} has {have}"
-            ));
+            return Err(format!("{count} elements need {end} bytes, bufferView {view} has {have}"));
         }
-        let bytes = usize::try_from(start)
-            .ok()
-            .and_then(|start| bytes.get(start..));
-        Ok(Self {
-            bytes: bytes.unwrap_or_default(),
-            size,
-            stride,
-            count,
-        })
+        let bytes = usize::try_from(start).ok().and_then(|start| bytes.get(start..));
+        Ok(Self { bytes: bytes.unwrap_or_default(), size, stride, count })
     }
 
     /// The bytes of each element, in order.
     fn iter(&self) -> impl Iterator<Item = &'a [u8]> {
         // The last element may end before a whole stride does.
-        self.bytes
-            .chunks(self.stride)
-            .take(self.count)
-            .filter_map(|chunk| chunk.get(..self.size))
+        self.bytes.chunks(self.stride).take(self.count).filter_map(|chunk| chunk.get(..self.size))
     }
 }
 
@@ -166,11 +140,7 @@ impl<'a> Layout<'a> {
         let parts = || {
             let component = Component::numbered(json::needed(accessor, "componentType")?)?;
             let count = json::index(accessor, "count")?.ok_or("count is missing")?;
-            Ok(Self {
-                accessor,
-                component,
-                count,
-            })
+            Ok(Self { accessor, component, count })
         };
         parts().map_err(|why: String| format!("accessor {index}: {why}"))
     }
@@ -179,15 +149,9 @@ impl<'a> Layout<'a> {
 impl Reader<'_> {
     /// Reads the positions in an accessor into [`Self::recent`].
     pub(super) fn load_positions(&mut self, index: usize) -> Result<(), String> {
-        if self
-            .recent
-            .as_ref()
-            .is_none_or(|(recent, _)| *recent != index)
-        {
+        if self.recent.as_ref().is_none_or(|(recent, _)| *recent != index) {
             let layout = Layout::new(self.root, index, "VEC3")?;
-            let found = self
-                .positions(&layout)
-                .map_err(|why| format!("accessor {index}: {why}"))?;
+            let found = self.positions(&layout).map_err(|why| format!("accessor {index}: {why}"))?;
             self.recent = Some((index, found));
         }
         Ok(())
@@ -195,11 +159,7 @@ impl Reader<'_> {
 
     /// The positions of an accessor, all finite.
     fn positions(&self, layout: &Layout) -> Result<Vec<[f64; 3]>, String> {
-        let Layout {
-            accessor,
-            component,
-            ..
-        } = *layout;
+        let Layout { accessor, component, .. } = *layout;
         if component == Component::U32 {
             return Err("its componentType is not one of positions".into());
         }
@@ -208,8 +168,7 @@ impl Reader<'_> {
         let mut positions = self.stored_positions(layout, decode)?;
         if let Some(sparse) = accessor.get("sparse") {
             let size = 3 * component.size();
-            self.replace(sparse, size, decode, &mut positions)
-                .map_err(|why| format!("sparse: {why}"))?;
+            self.replace(sparse, size, decode, &mut positions).map_err(|why| format!("sparse: {why}"))?;
         }
         let is_broken = |position: &[f64; 3]| position.iter().any(|value| !value.is_finite());
         match positions.iter().position(is_broken) {
@@ -219,16 +178,8 @@ impl Reader<'_> {
     }
 
     /// The positions in the buffer view of an accessor; zeros if a sparse one has none.
-    fn stored_positions(
-        &self,
-        layout: &Layout,
-        decode: impl Fn(&[u8]) -> [f64; 3],
-    ) -> Result<Vec<[f64; 3]>, String> {
-        let Layout {
-            accessor,
-            component,
-            count,
-        } = *layout;
+    fn stored_positions(&self, layout: &Layout, decode: impl Fn(&[u8]) -> [f64; 3]) -> Result<Vec<[f64; 3]>, String> {
+        let Layout { accessor, component, count } = *layout;
         if accessor.get("bufferView").is_some() {
             let elements = Elements::new(&self.buffers, accessor, 3 * component.size(), count)?;
             return Ok(elements.iter().map(decode).collect());
@@ -238,9 +189,7 @@ impl Reader<'_> {
         }
         if count > self.size {
             let size = self.size;
-            return Err(format!(
-                "{count} elements without a bufferView, in a file of {size} bytes"
-            ));
+            return Err(format!("{count} elements without a bufferView, in a file of {size} bytes"));
         }
         Ok(vec![[0.0; 3]; count])
     }
@@ -261,14 +210,9 @@ impl Reader<'_> {
         let places = Elements::new(&self.buffers, indices, component.size(), count)?;
         let length = positions.len();
         for (place, value) in places.iter().zip(values.iter()) {
-            let place = component
-                .index(place)
-                .ok_or("its indices are not of an unsigned type")?;
-            let slot = usize::try_from(place)
-                .ok()
-                .and_then(|place| positions.get_mut(place));
-            *slot.ok_or_else(|| format!("index {place} is out of range ({length} elements)"))? =
-                decode(value);
+            let place = component.index(place).ok_or("its indices are not of an unsigned type")?;
+            let slot = usize::try_from(place).ok().and_then(|place| positions.get_mut(place));
+            *slot.ok_or_else(|| format!("index {place} is out of range ({length} elements)"))? = decode(value);
         }
         Ok(())
     }
@@ -276,11 +220,7 @@ impl Reader<'_> {
     /// The indices in an accessor, all below `vertices`.
     pub(super) fn indices(&self, index: usize, vertices: usize) -> Result<Vec<u32>, String> {
         let layout = Layout::new(self.root, index, "SCALAR")?;
-        let Layout {
-            accessor,
-            component,
-            count,
-        } = layout;
+        let Layout { accessor, component, count } = layout;
         let read = || {
             if accessor.get("sparse").is_some() {
                 return Err("sparse indices are not supported".into());
@@ -288,9 +228,7 @@ impl Reader<'_> {
             let elements = Elements::new(&self.buffers, accessor, component.size(), count)?;
             let mut indices = Vec::with_capacity(elements.count);
             for (number, bytes) in elements.iter().enumerate() {
-                let value = component
-                    .index(bytes)
-                    .ok_or("its componentType is not one of indices")?;
+                let value = component.index(bytes).ok_or("its componentType is not one of indices")?;
                 if usize::try_from(value).map_or(true, |value| value >= vertices) {
                     return Err(format!(
                         "element {number}: vertex index {value} is out of range (the primitive has \

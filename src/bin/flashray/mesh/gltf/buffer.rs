@@ -14,10 +14,8 @@ use super::super::text::quote;
 use super::json;
 
 /// Some writers leave out the padding at the end.
-const BASE64: GeneralPurpose = GeneralPurpose::new(
-    &STANDARD,
-    GeneralPurposeConfig::new().with_decode_padding_mode(Indifferent),
-);
+const BASE64: GeneralPurpose =
+    GeneralPurpose::new(&STANDARD, GeneralPurposeConfig::new().with_decode_padding_mode(Indifferent));
 
 /// The buffers of a file, each read when it is first needed.
 pub struct Buffers<'a> {
@@ -30,23 +28,14 @@ pub struct Buffers<'a> {
 impl<'a> Buffers<'a> {
     /// The buffers of `root`; `chunk` is the binary chunk of a GLB file.
     pub fn new(root: &'a Value, chunk: Option<&'a [u8]>, folder: &'a Path) -> Result<Self, String> {
-        let loaded = json::list(root, "buffers")?
-            .iter()
-            .map(|_| OnceCell::new())
-            .collect();
-        Ok(Self {
-            root,
-            chunk,
-            folder,
-            loaded,
-        })
+        let loaded = json::list(root, "buffers")?.iter().map(|_| OnceCell::new()).collect();
+        Ok(Self { root, chunk, folder, loaded })
     }
 
     /// The bytes of a buffer view, and the distance between its elements if it states one.
     pub fn view(&self, index: usize) -> Result<(&[u8], Option<u64>), String> {
         let view = json::item(self.root, "bufferViews", index)?;
-        self.slice(view)
-            .map_err(|why| format!("bufferView {index}: {why}"))
+        self.slice(view).map_err(|why| format!("bufferView {index}: {why}"))
     }
 
     /// The bytes of `view`, and its stride.
@@ -55,18 +44,11 @@ impl<'a> Buffers<'a> {
         let bytes = self.get(buffer)?;
         let start = json::number(view, "byteOffset")?.unwrap_or(0);
         let length = json::needed(view, "byteLength")?;
-        let end = start
-            .checked_add(length)
-            .ok_or("byteOffset and byteLength overflow")?;
+        let end = start.checked_add(length).ok_or("byteOffset and byteLength overflow")?;
         let range = usize::try_from(start).ok().zip(usize::try_from(end).ok());
         let slice = range
             .and_then(|(start, end)| bytes.get(start..end))
-            .ok_or_else(|| {
-                format!(
-                    "needs {end} bytes of buffer {buffer}, which has {}",
-                    bytes.len()
-                )
-            })?;
+            .ok_or_else(|| format!("needs {end} bytes of buffer {buffer}, which has {}", bytes.len()))?;
         Ok((slice, json::number(view, "byteStride")?))
     }
 
@@ -75,15 +57,11 @@ impl<'a> Buffers<'a> {
         let buffer = json::item(self.root, "buffers", index)?;
         let cell = self.loaded.get(index).ok_or("no such buffer")?;
         if cell.get().is_none() {
-            let bytes = self
-                .load(index, buffer)
-                .map_err(|why| format!("buffer {index}: {why}"))?;
+            let bytes = self.load(index, buffer).map_err(|why| format!("buffer {index}: {why}"))?;
             // It was empty a moment ago, and nothing else fills it.
             drop(cell.set(bytes));
         }
-        cell.get()
-            .map(Cow::as_ref)
-            .ok_or_else(|| "no such buffer".into())
+        cell.get().map(Cow::as_ref).ok_or_else(|| "no such buffer".into())
     }
 
     /// Reads a buffer.
@@ -96,11 +74,8 @@ impl<'a> Buffers<'a> {
             (Some(_), _) => return Err("its uri is not a string".into()),
         };
         let have = bytes.len();
-        let length = usize::try_from(stated)
-            .ok()
-            .filter(|length| *length <= have);
-        let length =
-            length.ok_or_else(|| format!("has {have} bytes, its byteLength is {stated}"))?;
+        let length = usize::try_from(stated).ok().filter(|length| *length <= have);
+        let length = length.ok_or_else(|| format!("has {have} bytes, its byteLength is {stated}"))?;
         Ok(match bytes {
             Cow::Borrowed(bytes) => Cow::Borrowed(bytes.get(..length).unwrap_or(bytes)),
             Cow::Owned(mut bytes) => {
@@ -112,22 +87,16 @@ impl<'a> Buffers<'a> {
 
     /// The bytes that `uri` holds or names, at least `length` if it names a file.
     fn fetch(&self, uri: &str, length: u64) -> Result<Vec<u8>, String> {
-        if uri
-            .get(..5)
-            .is_some_and(|scheme| scheme.eq_ignore_ascii_case("data:"))
-        {
+        if uri.get(..5).is_some_and(|scheme| scheme.eq_ignore_ascii_case("data:")) {
             let (kind, content) = uri.split_once(',').ok_or("its data URI has no comma")?;
             if !kind.to_ascii_lowercase().ends_with(";base64") {
                 return Err("its data URI is not in base64".into());
             }
-            return BASE64
-                .decode(content)
-                .map_err(|error| format!("its data URI: {error}"));
+            return BASE64.decode(content).map_err(|error| format!("its data URI: {error}"));
         }
         let name = quote(uri.as_bytes());
-        let path = local_path(uri).ok_or_else(|| {
-            format!("its uri {name} is not the name of a file in the model's folder")
-        })?;
+        let path =
+            local_path(uri).ok_or_else(|| format!("its uri {name} is not the name of a file in the model's folder"))?;
         file_bytes(&self.folder.join(path), Some(length)).map_err(|why| format!("{name}: {why}"))
     }
 }
@@ -165,21 +134,8 @@ mod tests {
     #[test]
     fn names_of_files_are_decoded_and_kept_in_the_folder() {
         assert_eq!(local_path("a%20b/c.bin"), Some(PathBuf::from("a b/c.bin")));
-        assert_eq!(
-            local_path("./%c3%a4.bin"),
-            Some(PathBuf::from("./\u{e4}.bin"))
-        );
-        for uri in [
-            "",
-            "/etc/passwd",
-            "../a",
-            "a/../../b",
-            "%2e%2e/a",
-            "http://x/a",
-            "c:/a",
-            "a%2",
-            "a%+1",
-        ] {
+        assert_eq!(local_path("./%c3%a4.bin"), Some(PathBuf::from("./\u{e4}.bin")));
+        for uri in ["", "/etc/passwd", "../a", "a/../../b", "%2e%2e/a", "http://x/a", "c:/a", "a%2", "a%+1"] {
             assert_eq!(local_path(uri), None, "{uri}");
         }
     }

@@ -19,14 +19,9 @@ pub fn split(data: &[u8]) -> Result<(&[u8], Option<&[u8]>), String> {
         return Err(format!("byte 4: GLB version {version} is not 2"));
     }
     // Bytes after the stated length do not belong to the model.
-    let Some(data) = usize::try_from(length)
-        .ok()
-        .and_then(|length| data.get(..length))
-    else {
+    let Some(data) = usize::try_from(length).ok().and_then(|length| data.get(..length)) else {
         let have = data.len();
-        return Err(format!(
-            "byte 8: the length is {length} bytes, the file has {have}"
-        ));
+        return Err(format!("byte 8: the length is {length} bytes, the file has {have}"));
     };
     let (name, json, next) = chunk(data, HEADER)?.ok_or("the file has no JSON chunk")?;
     if name != *b"JSON" {
@@ -44,10 +39,7 @@ pub fn split(data: &[u8]) -> Result<(&[u8], Option<&[u8]>), String> {
 
 /// The little-endian number at byte `at`.
 fn word(data: &[u8], at: usize) -> Option<u32> {
-    data.get(at..)?
-        .first_chunk()
-        .copied()
-        .map(u32::from_le_bytes)
+    data.get(at..)?.first_chunk().copied().map(u32::from_le_bytes)
 }
 
 /// The name and content of a chunk, and where the next one starts.
@@ -59,18 +51,13 @@ fn chunk(data: &[u8], at: usize) -> Result<Option<Chunk<'_>>, String> {
     if rest.is_empty() {
         return Ok(None);
     }
-    let (Some(length), Some(name)) = (word(rest, 0), rest.get(4..).and_then(<[u8]>::first_chunk))
-    else {
+    let (Some(length), Some(name)) = (word(rest, 0), rest.get(4..).and_then(<[u8]>::first_chunk)) else {
         return Err(format!("byte {at}: the file ends inside a chunk's header"));
     };
-    let end = usize::try_from(length)
-        .ok()
-        .and_then(|length| length.checked_add(CHUNK_HEADER));
+    let end = usize::try_from(length).ok().and_then(|length| length.checked_add(CHUNK_HEADER));
     let Some(content) = end.and_then(|end| rest.get(CHUNK_HEADER..end)) else {
         let have = rest.len() - CHUNK_HEADER;
-        return Err(format!(
-            "byte {at}: a chunk of {length} bytes, {have} remain"
-        ));
+        return Err(format!("byte {at}: a chunk of {length} bytes, {have} remain"));
     };
     Ok(Some((*name, content, at + CHUNK_HEADER + content.len())))
 }
@@ -94,20 +81,10 @@ mod tests {
 
     #[test]
     fn chunks_are_found() {
-        let mut data = file(&[
-            (b"JSON", b"{}  "),
-            (b"OTHR", b"xyz!"),
-            (b"BIN\0", &[1, 2, 3, 4]),
-        ]);
+        let mut data = file(&[(b"JSON", b"{}  "), (b"OTHR", b"xyz!"), (b"BIN\0", &[1, 2, 3, 4])]);
         data.extend(b"after");
-        assert_eq!(
-            split(&data),
-            Ok((b"{}  ".as_slice(), Some([1, 2, 3, 4].as_slice())))
-        );
-        assert_eq!(
-            split(&file(&[(b"JSON", b"{}")])),
-            Ok((b"{}".as_slice(), None))
-        );
+        assert_eq!(split(&data), Ok((b"{}  ".as_slice(), Some([1, 2, 3, 4].as_slice()))));
+        assert_eq!(split(&file(&[(b"JSON", b"{}")])), Ok((b"{}".as_slice(), None)));
     }
 
     #[test]
@@ -116,30 +93,18 @@ mod tests {
         let whole = file(&[(b"JSON", b"{}  "), (b"BIN\0", &[0; 8])]);
         assert!(error(b"{}").starts_with("not a binary glTF file"));
         assert!(error(&whole[..11]).ends_with("12 bytes are needed, it has 11"));
-        assert_eq!(
-            error(&whole[..39]),
-            "byte 8: the length is 40 bytes, the file has 39"
-        );
+        assert_eq!(error(&whole[..39]), "byte 8: the length is 40 bytes, the file has 39");
         assert_eq!(error(&file(&[])), "the file has no JSON chunk");
-        assert_eq!(
-            error(&file(&[(b"BIN\0", b"")])),
-            "byte 16: the first chunk is not JSON"
-        );
+        assert_eq!(error(&file(&[(b"BIN\0", b"")])), "byte 16: the first chunk is not JSON");
         let mut version = whole.clone();
         version[4] = 1;
         assert_eq!(error(&version), "byte 4: GLB version 1 is not 2");
         let mut long = whole.clone();
         long[12..16].copy_from_slice(&[0xff; 4]);
-        assert_eq!(
-            error(&long),
-            "byte 12: a chunk of 4294967295 bytes, 20 remain"
-        );
+        assert_eq!(error(&long), "byte 12: a chunk of 4294967295 bytes, 20 remain");
         let mut short = whole;
         short.truncate(30);
         short[8] = 30;
-        assert_eq!(
-            error(&short),
-            "byte 24: the file ends inside a chunk's header"
-        );
+        assert_eq!(error(&short), "byte 24: the file ends inside a chunk's header");
     }
 }

@@ -42,29 +42,17 @@ fn document(json: &[u8], chunk: Option<&[u8]>, folder: &Path, size: usize) -> Re
     check_version(&root)?;
     check_extensions(&root)?;
     let buffers = Buffers::new(&root, chunk, folder)?;
-    let mut reader = Reader {
-        root: &root,
-        buffers,
-        size,
-        sink: Sink::new(),
-        recent: None,
-    };
+    let mut reader = Reader { root: &root, buffers, size, sink: Sink::new(), recent: None };
     reader.scene()?;
     Ok(reader.sink.finish())
 }
 
 /// Refuses other versions: version 1 has another structure.
 fn check_version(root: &Value) -> Result<(), String> {
-    let version = root
-        .get("asset")
-        .and_then(|asset| asset.get("version"))
-        .and_then(Value::as_str);
+    let version = root.get("asset").and_then(|asset| asset.get("version")).and_then(Value::as_str);
     match version {
         Some(version) if version == "2" || version.starts_with("2.") => Ok(()),
-        Some(version) => Err(format!(
-            "glTF version {} is not 2.0",
-            text::quote(version.as_bytes())
-        )),
+        Some(version) => Err(format!("glTF version {} is not 2.0", text::quote(version.as_bytes()))),
         None => Err("not a glTF file: the JSON has no asset.version".into()),
     }
 }
@@ -72,30 +60,16 @@ fn check_version(root: &Value) -> Result<(), String> {
 /// Refuses files that cannot be understood without an extension that changes the geometry.
 fn check_extensions(root: &Value) -> Result<(), String> {
     for name in json::list(root, "extensionsRequired")? {
-        let name = name
-            .as_str()
-            .ok_or("extensionsRequired holds something else than names")?;
+        let name = name.as_str().ok_or("extensionsRequired holds something else than names")?;
         // Those of materials, textures and lights leave the geometry alone.
-        let looks = [
-            "KHR_materials_",
-            "KHR_texture_",
-            "EXT_texture_",
-            "MSFT_texture_",
-            "KHR_lights_",
-        ];
+        let looks = ["KHR_materials_", "KHR_texture_", "EXT_texture_", "MSFT_texture_", "KHR_lights_"];
         if name == "KHR_mesh_quantization" || looks.iter().any(|start| name.starts_with(start)) {
             continue;
         }
         let name = text::quote(name.as_bytes());
         let packed = name.contains("draco") || name.contains("meshopt");
-        let advice = if packed {
-            "; save the model without compression"
-        } else {
-            ""
-        };
-        return Err(format!(
-            "requires the extension {name}, which is not supported{advice}"
-        ));
+        let advice = if packed { "; save the model without compression" } else { "" };
+        return Err(format!("requires the extension {name}, which is not supported{advice}"));
     }
     Ok(())
 }
@@ -174,9 +148,7 @@ impl Reader<'_> {
         for child in json::indices(node, "children").map_err(named)? {
             // Also what keeps a cycle from going on for ever.
             if !seen.insert(child) {
-                return Err(named(format!(
-                    "its child {child} belongs to another node or is a root"
-                )));
+                return Err(named(format!("its child {child} belongs to another node or is a root")));
             }
             children.push((child, world.clone()));
         }
@@ -186,11 +158,9 @@ impl Reader<'_> {
     /// Reads a mesh.
     fn mesh(&mut self, index: usize, world: &Transform) -> Result<(), String> {
         let mesh = json::item(self.root, "meshes", index)?;
-        let primitives =
-            json::list(mesh, "primitives").map_err(|why| format!("mesh {index}: {why}"))?;
+        let primitives = json::list(mesh, "primitives").map_err(|why| format!("mesh {index}: {why}"))?;
         for (number, primitive) in primitives.iter().enumerate() {
-            self.primitive(primitive, world)
-                .map_err(|why| format!("mesh {index}, primitive {number}: {why}"))?;
+            self.primitive(primitive, world).map_err(|why| format!("mesh {index}, primitive {number}: {why}"))?;
         }
         Ok(())
     }

@@ -9,12 +9,7 @@ pub struct Transform([[f64; 3]; 4]);
 
 impl Transform {
     /// The transform that moves nothing.
-    pub const IDENTITY: Self = Self([
-        [1.0, 0.0, 0.0],
-        [0.0, 1.0, 0.0],
-        [0.0, 0.0, 1.0],
-        [0.0, 0.0, 0.0],
-    ]);
+    pub const IDENTITY: Self = Self([[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [0.0, 0.0, 0.0]]);
 
     /// The transform of a node relative to its parent.
     pub fn of_node(node: &Value) -> Result<Self, String> {
@@ -32,12 +27,7 @@ impl Transform {
             None => [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
         };
         let [sx, sy, sz] = json::numbers(node, "scale")?.unwrap_or([1.0; 3]);
-        Ok(Self([
-            x.map(|v| v * sx),
-            y.map(|v| v * sy),
-            z.map(|v| v * sz),
-            moved,
-        ]))
+        Ok(Self([x.map(|v| v * sx), y.map(|v| v * sy), z.map(|v| v * sz), moved]))
     }
 
     /// The transform of a child with `local`, as seen from outside this node.
@@ -61,11 +51,7 @@ impl Transform {
         let [a, b, c, _] = self.0;
         let [x, y, z] = vector;
         let row = |a: f64, b: f64, c: f64| a * x + b * y + c * z;
-        [
-            row(a[0], b[0], c[0]),
-            row(a[1], b[1], c[1]),
-            row(a[2], b[2], c[2]),
-        ]
+        [row(a[0], b[0], c[0]), row(a[1], b[1], c[1]), row(a[2], b[2], c[2])]
     }
 }
 
@@ -76,21 +62,9 @@ fn rotation(turn: [f64; 4]) -> [[f64; 3]; 3] {
     // Files store quaternions in decimal, so their length is not quite 1: this divides it out.
     let s = if length > 0.0 { 2.0 / length } else { 0.0 };
     [
-        [
-            1.0 - s * (y * y + z * z),
-            s * (x * y + z * w),
-            s * (x * z - y * w),
-        ],
-        [
-            s * (x * y - z * w),
-            1.0 - s * (x * x + z * z),
-            s * (y * z + x * w),
-        ],
-        [
-            s * (x * z + y * w),
-            s * (y * z - x * w),
-            1.0 - s * (x * x + y * y),
-        ],
+        [1.0 - s * (y * y + z * z), s * (x * y + z * w), s * (x * z - y * w)],
+        [s * (x * y - z * w), 1.0 - s * (x * x + z * z), s * (y * z + x * w)],
+        [s * (x * z + y * w), s * (y * z - x * w), 1.0 - s * (x * x + y * y)],
     ]
 }
 
@@ -106,23 +80,18 @@ mod tests {
     #[test]
     fn scale_comes_before_rotation_before_translation() {
         // A quarter turn about z, of a quaternion with length 2.
-        let found =
-            node(r#"{"translation": [10, 20, 30], "rotation": [0, 0, 2, 2], "scale": [2, 3, 4]}"#);
+        let found = node(r#"{"translation": [10, 20, 30], "rotation": [0, 0, 2, 2], "scale": [2, 3, 4]}"#);
         assert_eq!(found.apply([1.0, 1.0, 1.0]), [7.0, 22.0, 34.0]);
         let matrix = node(r#"{"matrix": [0,2,0,0, -3,0,0,0, 0,0,4,0, 10,20,30,1]}"#);
         assert_eq!(found, matrix);
         let child = node(r#"{"translation": [1, 0, 0], "scale": [2, 2, 2]}"#);
         let both = found.of_child(&child);
-        assert_eq!(
-            both.apply([1.0, 2.0, 3.0]),
-            found.apply(child.apply([1.0, 2.0, 3.0]))
-        );
+        assert_eq!(both.apply([1.0, 2.0, 3.0]), found.apply(child.apply([1.0, 2.0, 3.0])));
     }
 
     #[test]
     fn the_turn_goes_the_right_way_about_every_axis() {
-        let turned =
-            |axis: &str, point| node(&format!(r#"{{"rotation": [{axis}, 1]}}"#)).apply(point);
+        let turned = |axis: &str, point| node(&format!(r#"{{"rotation": [{axis}, 1]}}"#)).apply(point);
         assert_eq!(turned("1, 0, 0", [0.0, 1.0, 0.0]), [0.0, 0.0, 1.0]);
         assert_eq!(turned("0, 1, 0", [0.0, 0.0, 1.0]), [1.0, 0.0, 0.0]);
         assert_eq!(turned("0, 0, 1", [1.0, 0.0, 0.0]), [0.0, 1.0, 0.0]);

@@ -80,10 +80,7 @@ impl Element {
             _ if is_text => 1,
             size => u64::try_from(size).unwrap_or(u64::MAX),
         };
-        self.properties
-            .iter()
-            .map(least)
-            .fold(0, u64::saturating_add)
+        self.properties.iter().map(least).fold(0, u64::saturating_add)
     }
 }
 
@@ -111,12 +108,7 @@ impl Header {
             [b'\r', ..] => b'\r',
             _ => return Err("not a PLY file: its first line is not \"ply\"".into()),
         };
-        let mut header = Self {
-            encoding: Encoding::Text,
-            elements: Vec::new(),
-            length: 0,
-            lines: 0,
-        };
+        let mut header = Self { encoding: Encoding::Text, elements: Vec::new(), length: 0, lines: 0 };
         let mut encoding = None;
         for line in data.split_inclusive(|byte| *byte == end_of_line) {
             header.length += line.len();
@@ -124,18 +116,13 @@ impl Header {
             if header.lines == 1 {
                 continue;
             }
-            let is_end = header
-                .line(line, &mut encoding)
-                .map_err(|why| format!("line {}: {why}", header.lines))?;
+            let is_end = header.line(line, &mut encoding).map_err(|why| format!("line {}: {why}", header.lines))?;
             if is_end {
                 header.encoding = encoding.ok_or("the header has no format line")?;
                 return Ok(header);
             }
         }
-        Err(format!(
-            "line {}: the file ends inside the header (no end_header)",
-            header.lines
-        ))
+        Err(format!("line {}: the file ends inside the header (no end_header)", header.lines))
     }
 
     /// The element with this name.
@@ -160,10 +147,7 @@ impl Header {
             }
             [b"property", kind, name] => self.add_property(name, Kind::named(kind)?, None)?,
             _ => {
-                return Err(format!(
-                    "{} is not a line of a PLY header",
-                    quote(line.trim_ascii())
-                ));
+                return Err(format!("{} is not a line of a PLY header", quote(line.trim_ascii())));
             }
         }
         Ok(false)
@@ -176,22 +160,14 @@ impl Header {
             return Err(format!("a second element {}", quote(name.as_bytes())));
         }
         let count = text::whole(count, "a number of elements")?;
-        let count =
-            u64::try_from(count).map_err(|_| format!("{count} elements are less than none"))?;
-        self.elements.push(Element {
-            name,
-            count,
-            properties: Vec::new(),
-        });
+        let count = u64::try_from(count).map_err(|_| format!("{count} elements are less than none"))?;
+        self.elements.push(Element { name, count, properties: Vec::new() });
         Ok(())
     }
 
     /// Adds a property to the last element.
     fn add_property(&mut self, name: &[u8], kind: Kind, list: Option<Kind>) -> Result<(), String> {
-        let element = self
-            .elements
-            .last_mut()
-            .ok_or("a property before the first element")?;
+        let element = self.elements.last_mut().ok_or("a property before the first element")?;
         let name = String::from_utf8_lossy(name).into_owned();
         element.properties.push(Property { name, kind, list });
         Ok(())

@@ -42,9 +42,7 @@ struct Reader {
 impl Reader {
     /// Finds the properties that are needed.
     fn new(header: &Header) -> Result<Self, String> {
-        let vertex = header
-            .element("vertex")
-            .ok_or("the header has no vertex element")?;
+        let vertex = header.element("vertex").ok_or("the header has no vertex element")?;
         let mut axes = [0; 3];
         for (axis, name) in axes.iter_mut().zip(["x", "y", "z"]) {
             *axis = vertex
@@ -60,26 +58,16 @@ impl Reader {
             }
             None => None,
         };
-        Ok(Self {
-            sink: Sink::new(),
-            vertices: vertex.count,
-            axes,
-            corners,
-        })
+        Ok(Self { sink: Sink::new(), vertices: vertex.count, axes, corners })
     }
 
     /// Reads all elements, also those that do not count: a file that ends early is an error.
     fn payload(&mut self, header: &Header, source: &mut impl Source) -> Result<(), String> {
-        for element in header
-            .elements
-            .iter()
-            .filter(|element| !element.properties.is_empty())
-        {
+        for element in header.elements.iter().filter(|element| !element.properties.is_empty()) {
             source.claim(element)?;
             for number in 0..element.count {
-                self.row(element, source).map_err(|why| {
-                    format!("{} {number} ({}): {why}", element.name, source.place())
-                })?;
+                self.row(element, source)
+                    .map_err(|why| format!("{} {number} ({}): {why}", element.name, source.place()))?;
             }
         }
         Ok(())
@@ -91,10 +79,7 @@ impl Reader {
         match element.name.as_str() {
             "vertex" => self.vertex(element, source),
             "face" => self.face(element, source),
-            _ => element
-                .properties
-                .iter()
-                .try_for_each(|property| skip(property, source)),
+            _ => element.properties.iter().try_for_each(|property| skip(property, source)),
         }
     }
 
@@ -143,8 +128,7 @@ impl Reader {
 /// Which property of `face` lists its corners.
 fn corners_of(face: &Element) -> Result<usize, String> {
     let is_corners = |property: &Property| {
-        property.list.is_some()
-            && matches!(property.name.as_str(), "vertex_indices" | "vertex_index")
+        property.list.is_some() && matches!(property.name.as_str(), "vertex_indices" | "vertex_index")
     };
     let (index, property) = face
         .properties
@@ -153,10 +137,7 @@ fn corners_of(face: &Element) -> Result<usize, String> {
         .find(|(_, property)| is_corners(property))
         .ok_or("the face element has no list vertex_indices or vertex_index")?;
     if !property.kind.is_whole() {
-        return Err(format!(
-            "the list {} of the face element is not of whole numbers",
-            property.name
-        ));
+        return Err(format!("the list {} of the face element is not of whole numbers", property.name));
     }
     Ok(index)
 }

@@ -31,9 +31,7 @@ fn check_claim(element: &Element, is_text: bool, remain: usize) -> Result<(), St
     let needed = u128::from(element.least_row(is_text)) * u128::from(element.count);
     if u128::try_from(remain).is_ok_and(|remain| remain < needed) {
         let Element { name, count, .. } = element;
-        return Err(format!(
-            "element {name}: {count} rows need at least {needed} bytes, {remain} remain"
-        ));
+        return Err(format!("element {name}: {count} rows need at least {needed} bytes, {remain} remain"));
     }
     Ok(())
 }
@@ -49,21 +47,13 @@ pub struct Text<'a> {
 impl<'a> Text<'a> {
     /// The rows in `lines`, which have `length` bytes together.
     pub const fn new(lines: Lines<'a>, length: usize) -> Self {
-        Self {
-            lines,
-            length,
-            number: 0,
-            rest: &[],
-        }
+        Self { lines, length, number: 0, rest: &[] }
     }
 
     /// The next word of the row.
     fn word(&mut self) -> Result<&'a [u8], String> {
         let line = self.rest.trim_ascii_start();
-        let end = line
-            .iter()
-            .position(u8::is_ascii_whitespace)
-            .unwrap_or(line.len());
+        let end = line.iter().position(u8::is_ascii_whitespace).unwrap_or(line.len());
         let (word, rest) = line.split_at(end);
         self.rest = rest;
         if word.is_empty() {
@@ -134,12 +124,9 @@ impl<'a> Binary<'a> {
     /// The next `N` bytes as in a little-endian file.
     fn bytes<const N: usize>(&mut self) -> Result<[u8; N], String> {
         let rest = self.data.get(self.at..).unwrap_or_default();
-        let mut bytes = *rest.first_chunk::<N>().ok_or_else(|| {
-            format!(
-                "the file ends: {N} bytes are needed, {} remain",
-                self.remain()
-            )
-        })?;
+        let mut bytes = *rest
+            .first_chunk::<N>()
+            .ok_or_else(|| format!("the file ends: {N} bytes are needed, {} remain", self.remain()))?;
         self.at += N;
         if self.is_big {
             bytes.reverse();
@@ -190,14 +177,10 @@ impl Source for Binary<'_> {
 
     fn skip(&mut self, count: u64, kind: Kind) -> Result<(), String> {
         let remain = self.remain();
-        let bytes = usize::try_from(count)
-            .ok()
-            .and_then(|count| count.checked_mul(kind.size()));
+        let bytes = usize::try_from(count).ok().and_then(|count| count.checked_mul(kind.size()));
         let Some(bytes) = bytes.filter(|bytes| *bytes <= remain) else {
             let size = kind.size();
-            return Err(format!(
-                "{count} numbers of {size} bytes are needed, {remain} bytes remain"
-            ));
+            return Err(format!("{count} numbers of {size} bytes are needed, {remain} bytes remain"));
         };
         self.at += bytes;
         Ok(())
@@ -208,9 +191,7 @@ impl Source for Binary<'_> {
         let (size, remain) = (items.size(), self.remain());
         let fits = usize::try_from(count).is_ok_and(|count| count <= remain / size);
         if !fits {
-            return Err(format!(
-                "a list of {count} items of {size} bytes, {remain} bytes remain"
-            ));
+            return Err(format!("a list of {count} items of {size} bytes, {remain} bytes remain"));
         }
         Ok(count)
     }

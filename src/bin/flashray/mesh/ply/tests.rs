@@ -18,33 +18,17 @@ fn text() -> String {
 
 /// The square as bytes.
 fn binary(is_big: bool) -> Vec<u8> {
-    let mut data = header(
-        if is_big {
-            "binary_big_endian"
-        } else {
-            "binary_little_endian"
-        },
-        2,
-    )
-    .into_bytes();
+    let mut data = header(if is_big { "binary_big_endian" } else { "binary_little_endian" }, 2).into_bytes();
     for [x, y] in [[0.0f32, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]] {
         for value in [x, y, 0.0] {
-            data.extend(if is_big {
-                value.to_be_bytes()
-            } else {
-                value.to_le_bytes()
-            });
+            data.extend(if is_big { value.to_be_bytes() } else { value.to_le_bytes() });
         }
         data.push(200);
     }
     for face in [[0i32, 1, 2, 3].as_slice(), &[3, 2, 1]] {
         data.push(u8::try_from(face.len()).unwrap());
         for value in face {
-            data.extend(if is_big {
-                value.to_be_bytes()
-            } else {
-                value.to_le_bytes()
-            });
+            data.extend(if is_big { value.to_be_bytes() } else { value.to_le_bytes() });
         }
     }
     data
@@ -58,10 +42,7 @@ fn error(data: impl AsRef<[u8]>) -> String {
 #[test]
 fn every_encoding_agrees() {
     let square = read(text().as_bytes()).unwrap();
-    assert_eq!(
-        square.positions,
-        [[0., 0., 0.], [1., 0., 0.], [1., 1., 0.], [0., 1., 0.]]
-    );
+    assert_eq!(square.positions, [[0., 0., 0.], [1., 0., 0.], [1., 1., 0.], [0., 1., 0.]]);
     assert_eq!(square.triangles, [[0, 1, 2], [0, 2, 3], [3, 2, 1]]);
     let lines = text();
     for data in [
@@ -70,20 +51,11 @@ fn every_encoding_agrees() {
         lines.replace('\n', "\r\n").into_bytes(),
         lines.replace('\n', " \t\n").into_bytes(),
         lines.replace('\n', "\r").into_bytes(),
-        lines
-            .replace('\n', "\n\n")
-            .replacen("ply\n\n", "ply\n", 1)
-            .into_bytes(),
-        lines
-            .replace("vertex_indices", "vertex_index")
-            .replace(' ', "\t")
-            .into_bytes(),
+        lines.replace('\n', "\n\n").replacen("ply\n\n", "ply\n", 1).into_bytes(),
+        lines.replace("vertex_indices", "vertex_index").replace(' ', "\t").into_bytes(),
     ] {
         let found = read(&data).unwrap();
-        assert_eq!(
-            (&found.positions, &found.triangles),
-            (&square.positions, &square.triangles)
-        );
+        assert_eq!((&found.positions, &found.triangles), (&square.positions, &square.triangles));
     }
 }
 
@@ -91,19 +63,14 @@ fn every_encoding_agrees() {
 fn a_header_with_cr_alone_before_binary_data() {
     let data = binary(false);
     let length = Header::parse(&data).unwrap().length;
-    let mut other = String::from_utf8(data[..length].to_vec())
-        .unwrap()
-        .replace('\n', "\r")
-        .into_bytes();
+    let mut other = String::from_utf8(data[..length].to_vec()).unwrap().replace('\n', "\r").into_bytes();
     other.extend(&data[length..]);
     assert_eq!(read(&other).unwrap().triangles.len(), 3);
 }
 
 #[test]
 fn every_type_of_number() {
-    let kinds = [
-        "char", "uint8", "int16", "ushort", "int", "uint32", "float32", "double",
-    ];
+    let kinds = ["char", "uint8", "int16", "ushort", "int", "uint32", "float32", "double"];
     for (place, kind) in kinds.iter().enumerate() {
         for length in ["uchar", "int8", "short", "uint16", "int32", "uint"] {
             let index = kinds[place % 6];
@@ -148,10 +115,7 @@ fn put(bytes: &mut Vec<u8>, kind: &str, value: u8) {
 fn doubles_are_rounded_once() {
     // Just above the middle between 1 and the next f32: by way of f64 it would fall to 1.
     let middle = "1.000000059604644775390625000001";
-    let lines =
-        text()
-            .replace("float", "double")
-            .replacen("1 0 0 1\n", &format!("{middle} 0 0 1\n"), 1);
+    let lines = text().replace("float", "double").replacen("1 0 0 1\n", &format!("{middle} 0 0 1\n"), 1);
     let soup = read(lines.as_bytes()).unwrap();
     assert_eq!(soup.positions[1][0].to_bits(), 1.0f32.to_bits() + 1);
 }
@@ -161,29 +125,17 @@ fn counts_are_compared_with_the_bytes() {
     for format in ["ascii", "binary_little_endian", "binary_big_endian"] {
         let many = header(format, 2).replace("vertex 4", "vertex 4000000000");
         let message = error(many + "\u{7f}\u{7f}");
-        assert!(
-            message.contains("element vertex: 4000000000 rows need at least "),
-            "{message}"
-        );
+        assert!(message.contains("element vertex: 4000000000 rows need at least "), "{message}");
         assert!(message.ends_with(" bytes, 2 remain"), "{message}");
         let most = header(format, 2).replace("vertex 4", "vertex 9223372036854775807");
         assert!(error(most).contains("rows need at least"));
     }
-    assert!(
-        error(header("ascii", 2).replace("vertex 4", "vertex 99999999999999999999"))
-            .starts_with("line 5: ")
-    );
+    assert!(error(header("ascii", 2).replace("vertex 4", "vertex 99999999999999999999")).starts_with("line 5: "));
     assert!(error(header("ascii", 2).replace("vertex 4", "vertex -4")).contains("less than none"));
     let mut list = binary(false);
     let at = list.len() - 13;
     list[at] = 255;
-    assert_eq!(
-        error(&list),
-        format!(
-            "face 1 (byte {}): a list of 255 items of 4 bytes, 12 bytes remain",
-            at + 1
-        )
-    );
+    assert_eq!(error(&list), format!("face 1 (byte {}): a list of 255 items of 4 bytes, 12 bytes remain", at + 1));
 }
 
 #[test]
@@ -191,28 +143,16 @@ fn faults_name_their_place() {
     let square = text();
     let change = |from: &str, to: &str| error(square.replacen(from, to, 1));
     let range = "vertex index 9 is out of range (the file has 4 vertices)";
-    assert_eq!(
-        change("3 3 2 1\n", "3 3 2 9\n"),
-        format!("face 1 (line 18): {range}")
-    );
+    assert_eq!(change("3 3 2 1\n", "3 3 2 9\n"), format!("face 1 (line 18): {range}"));
     assert!(change("3 3 2 1\n", "3 3 2 -1\n").contains("vertex index -1 is out of range"));
     assert!(change("3 3 2 1\n", "3 3 2 1.5\n").ends_with("\"1.5\" is not a whole number"));
     assert!(change("3 3 2 1\n", "-3 3 2 1\n").ends_with("a list of -3 items"));
     assert!(change("3 3 2 1\n", "2 3 2\n").ends_with("at least 3 corners, this one has 2"));
-    assert_eq!(
-        change("3 3 2 1\n", "3 3 2\n"),
-        "face 1 (line 18): the line has too few numbers"
-    );
-    assert_eq!(
-        change("3 3 2 1\n", ""),
-        "face 1 (line 18): the file ends here"
-    );
+    assert_eq!(change("3 3 2 1\n", "3 3 2\n"), "face 1 (line 18): the line has too few numbers");
+    assert_eq!(change("3 3 2 1\n", ""), "face 1 (line 18): the file ends here");
     for bad in ["nan", "inf", "1e999"] {
         let message = change("1e0", bad);
-        assert_eq!(
-            message,
-            format!("vertex 2 (line 15): \"{bad}\" is not a finite f32")
-        );
+        assert_eq!(message, format!("vertex 2 (line 15): \"{bad}\" is not a finite f32"));
     }
 }
 
@@ -227,10 +167,7 @@ fn faults_of_binary_files_name_their_place() {
     for (bits, name) in [(f32::NAN, "NaN"), (f32::NEG_INFINITY, "-inf")] {
         let mut broken = whole.clone();
         broken[length + 13..length + 17].copy_from_slice(&bits.to_be_bytes());
-        let message = format!(
-            "vertex 1 (byte {}): {name} is not a finite f32",
-            length + 17
-        );
+        let message = format!("vertex 1 (byte {}): {name} is not a finite f32", length + 17);
         assert_eq!(error(&broken), message);
     }
 }
@@ -241,10 +178,7 @@ fn faults_of_the_header() {
     let change = |from: &str, to: &str| error(square.replacen(from, to, 1));
     assert!(error("plyx\n").starts_with("not a PLY file"));
     assert!(error("v 1 2 3\n").starts_with("not a PLY file"));
-    assert_eq!(
-        error(&square[..40]),
-        "line 3: the file ends inside the header (no end_header)"
-    );
+    assert_eq!(error(&square[..40]), "line 3: the file ends inside the header (no end_header)");
     assert!(change("format ascii 1.0\n", "").contains("no format line"));
     assert!(change("ascii 1.0", "ascii 2.0").contains("version \"2.0\" is not 1.0"));
     assert!(change("ascii", "utf8").contains("\"utf8\" is not a format"));
@@ -259,12 +193,7 @@ fn faults_of_the_header() {
     assert!(change("vertex_indices", "corners").contains("no list vertex_indices"));
     assert!(change("element face", "element vertex").contains("a second element \"vertex\""));
     assert!(change("element face", "element tristrips").contains("triangle strips"));
-    assert!(
-        read(square.replace("element face", "element edge").as_bytes())
-            .unwrap()
-            .triangles
-            .is_empty()
-    );
+    assert!(read(square.replace("element face", "element edge").as_bytes()).unwrap().triangles.is_empty());
 }
 
 #[test]

@@ -24,8 +24,7 @@ impl Sink for Exact {
         u32::try_from(self.corners.len() - 1).unwrap()
     }
     fn triangle(&mut self, corners: [u32; 3]) {
-        self.shapes
-            .push(Shape::Triangle(corners.map(|i| self.corners[i as usize])));
+        self.shapes.push(Shape::Triangle(corners.map(|i| self.corners[i as usize])));
     }
     fn sphere(&mut self, center: Vec3, radius: f64) {
         self.shapes.push(Shape::Sphere(center, radius));
@@ -55,11 +54,7 @@ pub fn widen(soup: &Soup) -> Exact {
         out.cylinder(wide(c.base), wide(c.top), c.radius.into());
     }
     for c in &soup.cones {
-        out.cone(
-            wide(c.base),
-            wide(c.top),
-            [c.base_radius.into(), c.top_radius.into()],
-        );
+        out.cone(wide(c.base), wide(c.top), [c.base_radius.into(), c.top_radius.into()]);
     }
     out
 }
@@ -68,10 +63,7 @@ type Bounds = [Vec3; 2];
 
 fn join(a: Bounds, b: Bounds) -> Bounds {
     let axes = [0, 1, 2];
-    [
-        axes.map(|k| a[0][k].min(b[0][k])),
-        axes.map(|k| a[1][k].max(b[1][k])),
-    ]
+    [axes.map(|k| a[0][k].min(b[0][k])), axes.map(|k| a[1][k].max(b[1][k]))]
 }
 
 impl Shape {
@@ -96,11 +88,7 @@ impl Shape {
             Self::Triangle(corners) => triangle(corners, from, along),
             Self::Sphere(center, radius) => {
                 let off = sub(from, center);
-                let roots = roots(
-                    dot(along, along),
-                    dot(off, along),
-                    dot(off, off) - radius * radius,
-                )?;
+                let roots = roots(dot(along, along), dot(off, along), dot(off, off) - radius * radius)?;
                 roots.into_iter().find(|&t| t > 0.0)
             }
             Self::Cone(base, top, radii) => cone([base, top], radii, from, along),
@@ -146,9 +134,7 @@ fn cone([base, top]: Bounds, [r, s]: [f64; 2], from: Vec3, along: Vec3) -> Optio
         dot(off, along) - h0 * h1 - r0 * r1,
         dot(off, off) - h0 * h0 - r0 * r0,
     )?;
-    roots
-        .into_iter()
-        .find(|&t| t > 0.0 && (0.0..=length).contains(&(h0 + t * h1)))
+    roots.into_iter().find(|&t| t > 0.0 && (0.0..=length).contains(&(h0 + t * h1)))
 }
 
 /// A binary tree of boxes; the shapes are sorted so that each leaf is a range of them.
@@ -163,9 +149,7 @@ fn tree(shapes: &mut [Shape]) -> Tree<'_> {
         return Tree::Leaf(bounds, shapes);
     }
     let extent = sub(bounds[1], bounds[0]);
-    let axis = (0..3)
-        .max_by(|&i, &j| extent[i].total_cmp(&extent[j]))
-        .unwrap();
+    let axis = (0..3).max_by(|&i, &j| extent[i].total_cmp(&extent[j])).unwrap();
     let middle = |shape: &Shape| shape.bounds().iter().map(|p| p[axis]).sum::<f64>();
     let half = shapes.len() / 2;
     shapes.select_nth_unstable_by(half, |a, b| middle(a).total_cmp(&middle(b)));
@@ -180,10 +164,7 @@ impl Tree<'_> {
             return best;
         }
         match self {
-            Self::Leaf(_, shapes) => shapes
-                .iter()
-                .filter_map(|s| s.hit(from, along))
-                .fold(best, f64::min),
+            Self::Leaf(_, shapes) => shapes.iter().filter_map(|s| s.hit(from, along)).fold(best, f64::min),
             Self::Inner(_, children) => {
                 for child in children.iter() {
                     best = child.nearest(from, along, best);

@@ -1,0 +1,47 @@
+//! What the tests share.
+pub mod meshes;
+pub mod rays;
+pub mod tools;
+
+use crate::soup::Soup;
+use flashray::blob::Buffer;
+use flashray::build::{Config, Mesh, Rule, to_vec};
+use flashray::{Hit, Kind};
+use std::path::PathBuf;
+
+/// Every structure with every rule that makes sense for it, the list first.
+pub fn configs() -> Vec<Config> {
+    vec![
+        Config::new(Kind::List),
+        Config::new(Kind::Bvh),
+        Config::new(Kind::Bvh).rule(Rule::Seed),
+        Config::new(Kind::Bvh).leaf(1),
+    ]
+}
+
+pub fn mesh(soup: &Soup) -> Mesh<'_> {
+    Mesh::new(&soup.positions, &soup.triangles)
+        .spheres(&soup.spheres)
+        .boxes(&soup.boxes)
+        .cylinders(&soup.cylinders)
+        .cones(&soup.cones)
+}
+
+pub fn build(soup: &Soup, config: &Config) -> Buffer {
+    Buffer::from(&to_vec(&mesh(soup), config).expect("a good mesh builds")[..])
+}
+
+/// A hit as comparable bits.
+pub fn bits(hit: Option<Hit>) -> [u32; 4] {
+    hit.map_or([f32::INFINITY.to_bits(), 0, 0, u32::MAX], |h| [h.t.to_bits(), h.u.to_bits(), h.v.to_bits(), h.prim])
+}
+
+/// A mesh of ../shared/meshes; the project also has to pass without them, so a test that wants one says what it skips.
+pub fn shared_mesh(name: &str) -> Option<PathBuf> {
+    let path = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../shared/meshes").join(name);
+    if path.exists() {
+        return Some(path);
+    }
+    println!("{} is not there: what needs it is left out", path.display());
+    None
+}

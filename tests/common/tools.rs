@@ -1,0 +1,163 @@
+//! Tools beside cargo, programs with a time limit, and the scenes that firmware and web are tried on.
+use std::collections::HashMap;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output, Stdio};
+use std::sync::LazyLock;
+use std::time::{Duration, Instant};
+
+/// Bytes from which a blob does not fit into the firmware's internal flash.
+const INTERNAL_FLASH: u64 = 3_500_000;
+
+/// Says that a test can not be run. Under `CI=true` that is a failure, so that nothing is skipped there unseen.
+pub fn skip(what: &str, remedy: &str) {
+    let text = format!("skipped: {what}; {remedy}");
+    assert!(std::env::var("CI").as_deref() != Ok("true"), "{text}");
+    eprintln!("{text}");
+}
+
+/// Whether a program is there; otherwise [`skip`]s.
+pub fn has_program(name: &str, package: &str) -> bool {
+    let found = Command::new(name).arg("--version").stdin(Stdio::null()).output().is_ok_and(|o| o.status.success());
+    if !found {
+        skip(&format!("no program `{name}`"), &format!("install {package}"));
+    }
+    found
+}
+
+/// Whether rustc can build for a target; otherwise [`skip`]s.
+pub fn has_target(target: &str) -> bool {
+    let rustc = std::env::var_os("RUSTC").unwrap_or("rustc".into());
+    let libs = Command::new(rustc).args(["--print", "target-libdir", "--target", target]).output();
+    let found = libs.is_ok_and(|o| Path::new(String::from_utf8_lossy(&o.stdout).trim()).is_dir());
+    if !found {
+        skip(&format!("no Rust target `{target}`"), &format!("run `rustup target add {target}`"));
+    }
+    found
+}
+
+/// Where a nested cargo builds: beside the outer one's files, so that neither waits for the other's lock.
+pub fn nested(name: &str) -> PathBuf {
+    let tmp = Path::new(env!("CARGO_TARGET_TMPDIR"));
+    tmp.parent().unwrap_or(tmp).join("nested").join(name)
+}
+
+/// A nested cargo in a folder of the repository, which builds in [`nested`]`(name)`. Flags meant for this machine's
+/// processor stay behind.
+pub fn cargo(folder: &str, name: &str) -> Command {
+    let mut cargo = Command::new(env!("CARGO"));
+    cargo.current_dir(Path::new(env!("CARGO_MANIFEST_DIR")).join(folder)).env("CARGO_TARGET_DIR", nested(name));
+    for key in ["RUSTFLAGS", "CARGO_ENCODED_RUSTFLAGS", "CARGO_BUILD_TARGET"] {
+        cargo.env_remove(key);
+    }
+    cargo
+}
+
+/// Runs a program to its end; panics with all it said if it fails.
+pub fn succeed(command: &mut Command) -> Output {
+    let output = command.stdin(Stdio::null()).output().unwrap_or_else(|e| panic!("{command:?}: {e}"));
+    assert!(output.status.success(), "{command:?}: {}\n{}", output.status, said(&output));
+    output
+}
+
+/// The same for a program of few words that might hang.
+pub fn succeed_within(seconds: u64, command: &mut Command) -> Output {
+    command.stdin(Stdio::null()).stdout(Stdio::piped()).stderr(Stdio::piped());
+    let mut child = command.spawn().unwrap_or_else(|e| panic!("{command:?}: {e}"));
+    let end = Instant::now() + Duration::from_secs(seconds);
+    while child.try_wait().expect("a child's state").is_none() {
+        if Instant::now() > end {
+            child.kill().expect("a child can be ended");
+            let output = child.wait_with_output().expect("a child's output");
+            panic!("{command:?} did not end within {seconds} s\n{}", said(&output));
+        }
+        std::thread::sleep(Duration::from_millis(10));
+    }
+    let output = child.wait_with_output().expect("a child's output");
+    assert!(output.status.success(), "{command:?}: {}\n{}", output.status, said(&output));
+    output
+}
+
+/// Both streams of a program.
+fn said(output: &Output) -> String {
+    String::from_utf8_lossy(&output.stdout).into_owned() + &String::from_utf8_lossy(&output.stderr)
+}
+
+/// The `key=value` lines among what a program said.
+#[derive(Debug)]
+pub struct Facts(HashMap<String, String>);
+
+impl Facts {
+    /// Reads both streams: QEMU's guests write to the second.
+    pub fn of(output: &Output) -> Self {
+        let pair = |line: &str| line.trim_end().split_once('=').map(|(k, v)| (k.into(), v.into()));
+        Self(said(output).lines().filter_map(pair).collect())
+    }
+
+    /// The value of a key.
+    pub fn text(&self, key: &str) -> &str {
+        self.0.get(key).unwrap_or_else(|| panic!("no `{key}` in {self:?}"))
+    }
+
+    /// The value of a key as a number.
+    pub fn number(&self, key: &str) -> u32 {
+        self.text(key).parse().unwrap_or_else(|e| panic!("{key}={}: {e}", self.text(key)))
+    }
+
+    /// What must be the same everywhere: checksum and number of hits.
+    pub fn answer(&self) -> (String, u32) {
+        assert_eq!(self.text("check"), "ok");
+        (self.text("crc").into(), self.number("hits"))
+    }
+}
+
+/// A scene: its blob, the blob as a Rust module, and the answer that every machine must give.
+pub struct Fixture {
+    /// For messages.
+    pub name: &'static str,
+    /// Path of the blob.
+    pub blob: PathBuf,
+    /// Path of the module for the firmware.
+    pub module: PathBuf,
+    /// Checksum and number of hits, as the host says in a debug and in a release build.
+    pub answer: (String, u32),
+}
+
+/// All scenes, made once. Bunny only where its mesh is.
+pub static FIXTURES: LazyLock<Vec<Fixture>> = LazyLock::new(|| {
+    let bunny = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/meshes/bunny.obj");
+    let mut fixtures = vec![
+        fixture("balls-bvh", "spd:balls:2", "bvh", None),
+        fixture("balls-list", "spd:balls:2", "list", None),
+        fixture("balls-xip", "spd:balls:2", "bvh", Some(".xip")),
+    ];
+    match bunny.to_str() {
+        Some(path) if bunny.is_file() => fixtures.push(fixture("bunny-bvh", path, "bvh", None)),
+        _ => {
+            eprintln!("skipped: scene bunny-bvh; there is no {}, a mesh too large for the repository", bunny.display())
+        }
+    }
+    fixtures
+});
+
+/// Makes one scene and asks the host about it.
+fn fixture(name: &'static str, input: &str, structure: &str, section: Option<&str>) -> Fixture {
+    let tmp = Path::new(env!("CARGO_TARGET_TMPDIR"));
+    let (blob, module) = (tmp.join(name).with_extension("fray"), tmp.join(name).with_extension("rs"));
+    let flashray = || Command::new(env!("CARGO_BIN_EXE_flashray"));
+    succeed(flashray().args(["build", input, "--structure", structure, "-o"]).arg(&blob));
+    let size = blob.metadata().expect("a blob's size").len();
+    let section = section.or((size > INTERNAL_FLASH).then_some(".xip"));
+    let section = section.map_or(vec![], |s| vec!["--section", s]);
+    succeed(flashray().arg("emit").arg(&blob).args(["--as", "rust", "-o"]).arg(&module).args(section));
+    let debug = checksum(&blob, &[]);
+    assert_eq!(checksum(&blob, &["--release"]), debug, "{name}: host, release against debug");
+    assert!(debug.1 > 0, "{name}: no ray hits");
+    Fixture { name, blob, module, answer: debug }
+}
+
+/// The probe on the host.
+fn checksum(blob: &Path, profile: &[&str]) -> (String, u32) {
+    let mut run = cargo(".", "host");
+    run.args(["run", "--quiet", "--example", "checksum", "--features", "alloc"]).args(profile).arg("--").arg(blob);
+    Facts::of(&succeed(&mut run)).answer()
+}

@@ -1,0 +1,12 @@
+//! One binary, so that it links once: every structure against the list, the format's rules, the command, the targets.
+#[path = "../src/bin/flashray/mesh/mod.rs"]
+#[allow(dead_code)]
+mod mesh;
+#[path = "../src/bin/flashray/soup.rs"]
+mod soup;
+#[path = "../src/bin/flashray/spd/mod.rs"]
+#[allow(dead_code)]
+mod spd;
+
+mod common;
+mod watertight;

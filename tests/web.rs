@@ -1,0 +1,23 @@
+//! The WebAssembly module: the same answers as on the host, and nothing imported.
+use crate::common::tools::{FIXTURES, Facts, cargo, has_program, has_target, nested, succeed, succeed_within};
+use std::path::Path;
+use std::process::Command;
+
+const TARGET: &str = "wasm32-unknown-unknown";
+
+#[test]
+fn web_assembly_answers_as_the_host() {
+    if !has_target(TARGET) || !has_program("node", "Node.js 20 or later") {
+        return;
+    }
+    succeed(cargo("examples/web", "web").args(["build", "--release", "--locked", "--target", TARGET]));
+    let module = nested("web").join(TARGET).join("release/flashray_web.wasm");
+    let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/web/run.mjs");
+    for fixture in FIXTURES.iter() {
+        let facts = Facts::of(&succeed_within(120, Command::new("node").arg(&script).arg(&module).arg(&fixture.blob)));
+        eprintln!("{}: {facts:?}", fixture.name);
+        assert_eq!(facts.answer(), fixture.answer, "{}: WebAssembly against host", fixture.name);
+        assert_eq!(facts.number("imports"), 0, "a panic handler's call into nowhere would be an import");
+        assert_eq!(facts.number("misses"), 2, "rays that meet nothing");
+    }
+}
