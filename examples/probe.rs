@@ -90,7 +90,7 @@ struct Sum {
 
 impl Sum {
     fn add(&mut self, hit: Option<Hit>) {
-        self.hits += u32::from(hit.is_some());
+        self.hits = self.hits.wrapping_add(u32::from(hit.is_some()));
         for word in record(hit) {
             self.crc = (0..32).fold(self.crc ^ word, |crc, _| (crc >> 1) ^ ((crc & 1) * 0xedb8_8320));
         }
@@ -156,7 +156,7 @@ impl Camera {
     fn next(&mut self) -> Ray {
         let at = |i: u32| (i as f32 + 0.5) * (2.0 / SIDE as f32) - 1.0;
         let (x, y) = (at(self.next % SIDE), -at(self.next / SIDE));
-        self.next += 1;
+        self.next = self.next.wrapping_add(1);
         Ray::new(self.eye, add(self.middle, add(scale(self.right, x), scale(self.up, y))))
     }
 }

@@ -8,5 +8,9 @@ mod soup;
 #[allow(dead_code)]
 mod spd;
 
+mod agree;
 mod common;
+mod geometry;
+#[path = "spd.rs"]
+mod spd_hits;
 mod watertight;

@@ -4,12 +4,15 @@ use crate::blob::MAX_PRIMS;
 use crate::blob::prims::Primitive;
 use crate::geom::vec::{Vec3, sub};
 use crate::geom::{Aabb, Cone, Cylinder, Sphere, Triangle};
-use crate::num::{count, index};
+use crate::num::{count, index, wide};
 
 /// A scene to build from, borrowed: triangles by index, and analytic primitives.
 ///
-/// Primitives are numbered through: triangles first, then spheres, boxes, cylinders and cones. Triangles without area
-/// are kept, so that numbers stay, and are never hit.
+/// Primitives are numbered through: triangles first, then spheres, boxes, cylinders and cones.
+///
+/// A triangle without area keeps its number and is never hit: it is stored as three times its first corner. (Left as it
+/// is, one with three distinct corners on a line could be hit, because in a ray's frame rounding makes a sliver of it.
+/// A closed mesh with such faces has the crack there that it would have without them.)
 ///
 /// ```
 /// use flashray::Sphere;
@@ -119,6 +122,16 @@ impl<'a> Mesh<'a> {
             self.positions.get(index(vertex)).map(|&p| sub(p, local)).ok_or(error)
         };
         let &[a, b, c] = self.triangles.get(index(number)).ok_or(BuildError::Primitive { prim: number })?;
-        Ok(Triangle { v: [vertex(a)?, vertex(b)?, vertex(c)?] })
+        let v = [vertex(a)?, vertex(b)?, vertex(c)?];
+        Ok(Triangle { v: if has_area(v) { v } else { [v[0]; 3] } })
     }
+}
+
+/// Whether the corners are not on one line, as f64 sees it: exactly, for corners of similar size.
+///
+/// True for NaN, which is not this function's to judge.
+fn has_area([a, b, c]: [Vec3; 3]) -> bool {
+    let from_a = |p: Vec3, k: usize| wide(p[k]) - wide(a[k]);
+    let cross = |i: usize, j: usize| from_a(b, i) * from_a(c, j) - from_a(b, j) * from_a(c, i);
+    cross(0, 1) != 0.0 || cross(1, 2) != 0.0 || cross(2, 0) != 0.0
 }

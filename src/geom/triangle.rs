@@ -12,8 +12,9 @@
 //!   that of the edge's own direction. The two triangles at an edge see it in opposite directions, so exactly one
 //!   side owns it, and likewise around a vertex.
 //!
-//! A triangle that is degenerate in the plane, seen edge-on or with no area, owns no point of it: its three signs can
-//! not agree, because their sum is 0.
+//! A triangle that is degenerate in the plane, seen edge-on or with two equal corners, owns no point of it: its three
+//! signs can not agree, because their sum is 0. One whose distinct corners lie on a line may become a sliver in the
+//! plane, as thin as the rounding; builders collapse those, so that in a blob a triangle without area is never hit.
 use super::aabb::Aabb;
 use super::hit::Crossing;
 use super::ray::Prepared;

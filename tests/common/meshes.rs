@@ -116,7 +116,7 @@ pub fn mixed(n: u32, seed: u64) -> Soup {
             0 => {
                 let first = soup.positions.len() as u32;
                 soup.positions.extend([at, near(&mut random), near(&mut random)]);
-                soup.triangles.push(if i % 15 == 0 { [first; 3] } else { [first, first + 1, first + 2] });
+                soup.triangles.push(if i % 15 == 10 { [first; 3] } else { [first, first + 1, first + 2] });
             }
             1 => soup.spheres.push(Sphere { center: at, radius: random.unit() }),
             2 => {

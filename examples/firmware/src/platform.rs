@@ -66,7 +66,7 @@ fn ticks() -> u32 {
 #[inline(never)]
 pub fn measure(work: impl FnOnce()) -> (u32, u32) {
     let top = stack_pointer() & !3;
-    let bottom = top - WINDOW;
+    let bottom = top.saturating_sub(WINDOW);
     for address in (bottom..top).step_by(4) {
         // SAFETY: RAM below the stack pointer, of which nobody has a reference: the stack is the only thing there (the
         // RAM is 4 MiB, statics are a few bytes at its other end) and interrupts are never enabled.
@@ -80,7 +80,7 @@ pub fn measure(work: impl FnOnce()) -> (u32, u32) {
         PAINT == unsafe { ptr::with_exposed_provenance::<u32>(address).read_volatile() }
     };
     let clean = (bottom..top).step_by(4).take_while(painted).count();
-    (taken, (WINDOW - 4 * clean) as u32)
+    (taken, WINDOW.saturating_sub(clean.saturating_mul(4)) as u32)
 }
 
 /// A frame of its own, below the one that measures.
@@ -109,7 +109,7 @@ unsafe extern "C" {
 
 /// Bytes of statics in RAM.
 pub fn static_ram() -> u32 {
-    between(&raw const __sdata, &raw const __edata) + between(&raw const __sbss, &raw const __ebss)
+    between(&raw const __sdata, &raw const __edata).saturating_add(between(&raw const __sbss, &raw const __ebss))
 }
 
 /// Bytes of code and constants in flash, without the blob.
@@ -117,10 +117,11 @@ pub fn flash(blob: &[u8]) -> u32 {
     let constants = (&raw const __srodata).addr()..(&raw const __erodata).addr();
     let inside = if constants.contains(&blob.as_ptr().addr()) { blob.len() as u32 } else { 0 };
     let code = between(ptr::null(), &raw const __etext);
-    let data = between(&raw const __srodata, &raw const __erodata) + between(&raw const __sdata, &raw const __edata);
-    code + data - inside
+    let data = between(&raw const __sdata, &raw const __edata);
+    let data = between(&raw const __srodata, &raw const __erodata).saturating_add(data);
+    code.saturating_add(data).saturating_sub(inside)
 }
 
 fn between(start: *const u8, end: *const u8) -> u32 {
-    (end.addr() - start.addr()) as u32
+    end.addr().saturating_sub(start.addr()) as u32
 }

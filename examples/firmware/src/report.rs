@@ -20,8 +20,8 @@ impl Watch for Cost {
     fn around(&mut self, set: Set, work: impl FnOnce()) {
         let (ticks, stack) = measure(work);
         match set {
-            Set::Camera => self.camera += ticks,
-            Set::Chords => self.chords += ticks,
+            Set::Camera => self.camera = self.camera.saturating_add(ticks),
+            Set::Chords => self.chords = self.chords.saturating_add(ticks),
         }
         self.stack = self.stack.max(stack);
     }
@@ -86,7 +86,7 @@ fn text(key: &str, value: &str) {
 fn number(key: &str, mut value: u32) {
     let mut digits = [b'0'; 10];
     for digit in digits.iter_mut().rev() {
-        *digit += (value % 10) as u8;
+        *digit |= (value % 10) as u8;
         value /= 10;
     }
     let zeros = digits.iter().take(digits.len() - 1).take_while(|&&d| d == b'0').count();
@@ -95,8 +95,8 @@ fn number(key: &str, mut value: u32) {
 
 fn hex(key: &str, value: u32) {
     let digit = |shift: u32| match (value >> shift) as u8 & 15 {
-        d @ 0..=9 => b'0' + d,
-        d => b'a' + d - 10,
+        d @ 0..=9 => b'0' | d,
+        d => b'a'.wrapping_add(d).wrapping_sub(10),
     };
     line(key, "0x", [28, 24, 20, 16, 12, 8, 4, 0].map(digit).iter());
 }

@@ -61,7 +61,7 @@ extern "C" fn scene_reserve(len: usize) -> usize {
         if before == usize::MAX {
             return 0;
         }
-        state.region = (before * PAGE, pages * PAGE);
+        state.region = (before.wrapping_mul(PAGE), pages.wrapping_mul(PAGE));
     }
     state.region.0
 }
