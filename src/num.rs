@@ -21,6 +21,7 @@ pub const fn count(n: usize) -> u32 {
 }
 
 /// A count as a weight in a cost formula; exact to 2^24 and rounded beyond.
+#[cfg(feature = "build")]
 #[inline]
 #[must_use]
 pub const fn weight(n: usize) -> f32 {
@@ -41,7 +42,8 @@ pub const fn narrow(x: f64) -> f32 {
     x as f32
 }
 
-/// The numbers of a blob's table `n` entries of `size` bytes need, if they fit in `u32`.
+/// Bytes of `n` entries of `size` bytes, if that fits in `u32`.
+#[cfg(feature = "build")]
 #[inline]
 #[must_use]
 pub const fn bytes_of(n: u32, size: u32) -> Option<u32> {

@@ -61,8 +61,8 @@ impl<'a> Scene<'a> {
     /// The first rule of `docs/format.md` that the blob breaks, and where.
     pub fn from_bytes(bytes: &'a [u8]) -> Result<Self, BlobError> {
         let blob = Blob::parse(bytes)?;
-        blob.check()?;
         let scene = Self::parse(&blob)?;
+        blob.check()?;
         scene.check(&blob)?;
         Ok(scene)
     }

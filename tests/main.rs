@@ -9,8 +9,12 @@ mod soup;
 mod spd;
 
 mod agree;
+mod blobs;
 mod common;
+mod docs;
+mod firmware;
 mod geometry;
 #[path = "spd.rs"]
 mod spd_hits;
 mod watertight;
+mod web;

@@ -182,7 +182,7 @@ fn short(mesh: &Mesh<'_>, config: &Config, arena: &mut Arena<'_>, blob: &[u8]) {
     let full = into(mesh, config, arena, &mut short);
     let needed = matches!(full, Err(BuildError::Full { needed, .. }) if needed == blob.len());
     assert!(needed, "a buffer that is 1 byte short: {full:?}");
-    assert!(short.iter().all(|&b| b == 0xa5), "a refused buffer was written to");
+    assert!(short == vec![0xa5; short.len()], "a refused buffer was written to");
 }
 
 /// An arena that may be too small for the nodes: the same bytes, or what would be enough.
@@ -194,7 +194,7 @@ fn small(mesh: &Mesh<'_>, config: &Config, blob: &[u8], needs: Needs) {
         Ok(built) => assert_eq!(built, blob, "a small arena changed the bytes, {config:?}"),
         Err(BuildError::Full { needed, had, .. }) => {
             assert!(had == 4 && needed > 4 && needed <= needs.nodes, "needs {needs:?}, but {needed} of {had}");
-            assert!(out.iter().all(|&b| b == 0), "a failed build wrote");
+            assert!(out == vec![0; out.len()], "a failed build wrote");
         }
         Err(error) => panic!("a small arena turned success into {error:?}"),
     }

@@ -5,7 +5,7 @@
 //! | 0 | 4 | `magic` | the bytes `FRAY` |
 //! | 4 | 4 | `version` | 1 |
 //! | 8 | 4 | `length` | bytes of the whole blob |
-//! | 12 | 4 | `checksum` | CRC-32 of the bytes from 16 to the end |
+//! | 12 | 4 | `checksum` | CRC-32 (ISO-HDLC) of the bytes from 16 to the end |
 //! | 16 | 4 | `kind` | the structure: 1 list, 2 bvh |
 //! | 20 | 4 | `prims` | number of primitives, below 2^28 |
 //! | 24 | 4 | `stack` | deepest stack of a walk, in entries, at most 64 |

@@ -100,13 +100,14 @@ impl<'a> Prims<'a> {
             len: blob.header().prims,
         };
         let slots = index(prims.len);
-        let others = prims.spheres.len() + prims.boxes.len() + prims.cylinders.len() + prims.cones.len();
+        let lengths = [prims.spheres.len(), prims.boxes.len(), prims.cylinders.len(), prims.cones.len()];
+        let others = lengths.iter().fold(0usize, |sum, &n| sum.saturating_add(n));
         let agree = |section, found: usize, wanted: bool| {
             let wanted_len = if wanted { slots } else { 0 };
             let error = BlobError::new(Rule::PrimCount, section).found(count(found)).needed(count(wanted_len));
             if found == wanted_len { Ok(()) } else { Err(error) }
         };
-        agree(Section::Header, prims.triangles.len() + others, true)?;
+        agree(Section::Header, prims.triangles.len().saturating_add(others), true)?;
         agree(Section::Refs, prims.refs.len(), others > 0)?;
         agree(Section::Ids, prims.ids.len(), !prims.ids.is_empty())?;
         Ok(prims)
@@ -147,7 +148,7 @@ impl<'a> Prims<'a> {
                 let error = BlobError::new(Rule::RefOrder, Section::Refs).at(count(slot));
                 return Err(error.found(word).needed(reference(kind, *expected)));
             }
-            *expected += 1;
+            *expected = expected.saturating_add(1);
         }
         // As many references as primitives, each kind counted up from 0: only the shares can still be wrong.
         let counted =

@@ -203,7 +203,7 @@ impl Check<'_, '_> {
             }
             let child = self.child(parent, side)?;
             if child.is_node() {
-                (parent, level, side) = (child.number(), level + 1, 0);
+                (parent, level, side) = (child.number(), level.saturating_add(1), 0);
                 continue;
             }
             match waiting.pop() {
@@ -221,14 +221,14 @@ impl Check<'_, '_> {
             if child.number() != self.next_node || index(child.number()) >= self.nodes.len() {
                 return Err(broken(Rule::NodeOrder, parent).found(child.number()).needed(self.next_node));
             }
-            self.next_node += 1;
+            self.next_node = self.next_node.saturating_add(1);
             self.enclose(child.number(), &bounds)?;
         } else {
             let left = self.prims.len.saturating_sub(self.next_slot);
             if child.number() != self.next_slot || child.len() > left {
                 return Err(broken(Rule::LeafOrder, parent).found(child.number()).needed(self.next_slot));
             }
-            self.next_slot += child.len();
+            self.next_slot = self.next_slot.saturating_add(child.len());
             if !bounds.contains(&self.prims.bounds(child.number(), child.len())) {
                 return Err(broken(Rule::NodeBounds, parent));
             }

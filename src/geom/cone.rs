@@ -6,7 +6,8 @@
 //! what remains to cancel is of the size of the radius and not of the distance.
 use super::aabb::Aabb;
 use super::ray::Prepared;
-use super::vec::{Vec3, add_scaled, dot, most, scale, size, sqrt, sub};
+use super::root::sqrt;
+use super::vec::{Vec3, add_scaled, dot, most, scale, size, sub};
 use bytemuck::{Pod, Zeroable};
 
 /// A round cylinder between two points.

@@ -29,6 +29,7 @@ pub mod aabb;
 pub mod cone;
 pub mod hit;
 pub mod ray;
+mod root;
 pub mod sphere;
 pub mod triangle;
 pub(crate) mod vec;

@@ -5,7 +5,8 @@
 //! Ray/Sphere Intersection", Ray Tracing Gems, chapter 7, 2019) and of overflow at any scale.
 use super::aabb::Aabb;
 use super::ray::Prepared;
-use super::vec::{add_scaled, dot, scale, sqrt, sub};
+use super::root::sqrt;
+use super::vec::{add_scaled, dot, scale, sub};
 use bytemuck::{Pod, Zeroable};
 
 /// A sphere: the surface only, crossed up to twice by a ray.

@@ -101,14 +101,10 @@ impl Triangle {
             return None;
         }
         let det = wa + wb + wc;
-        let size = det.abs();
-        let (depth, u, v, clockwise) = if (low > 0.0 || high < 0.0) && size > LEAST_DET && size < MOST_DET {
-            let r = 1.0 / det;
-            let (wa, wb, wc) = (wa * r, wb * r, wc * r);
-            (wa * a.z + wb * b.z + wc * c.z, wb, wc, det < 0.0)
-        } else {
-            exact_weights(a, b, c)?
-        };
+        let depth = wa * a.z + wb * b.z + wc * c.z;
+        let clear = (low > 0.0 || high < 0.0) && det.abs() > LEAST_DET && det.abs() < MOST_DET && depth.is_finite();
+        let (depth, u, v, clockwise) =
+            if clear { (depth / det, wb / det, wc / det, det < 0.0) } else { exact_weights(a, b, c)? };
         let t = ray.admit(depth * ray.inv[ray.kz.at()], ray.slab(&self.bounds()), t_max)?;
         Some(Crossing { t, u, v, enters: clockwise != ray.negative[ray.kz.at()] })
     }

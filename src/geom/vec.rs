@@ -65,12 +65,3 @@ pub fn finite(a: Vec3) -> bool {
 pub fn size(a: Vec3) -> f32 {
     most(a[2].abs(), most(a[1].abs(), a[0].abs()))
 }
-
-/// The square root, correctly rounded on every target: the hardware's where `std` gives it, `libm`'s elsewhere.
-#[inline(always)]
-pub fn sqrt(x: f32) -> f32 {
-    #[cfg(feature = "std")]
-    return x.sqrt();
-    #[cfg(not(feature = "std"))]
-    return libm::sqrtf(x);
-}

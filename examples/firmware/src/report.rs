@@ -94,7 +94,7 @@ fn number(key: &str, mut value: u32) {
 }
 
 fn hex(key: &str, value: u32) {
-    let digit = |shift: u32| match (value >> shift) as u8 & 15 {
+    let digit = |shift: u32| match value.wrapping_shr(shift) as u8 & 15 {
         d @ 0..=9 => b'0' | d,
         d => b'a'.wrapping_add(d).wrapping_sub(10),
     };

@@ -1,0 +1,332 @@
+//! The format: every rule broken by a test of its own, every damaged byte noticed, golden blobs, limits.
+use crate::common::meshes::{icosphere, mixed};
+use crate::common::{bits, build, configs, mesh};
+use crate::soup::Soup;
+use flashray::blob::{Buffer, Entry, Header, Rule, Section, crc32};
+use flashray::build::{Arena, BuildError, Config, Mesh, Needs, What, into, to_vec};
+use flashray::bvh::{Child, Node};
+use flashray::{BlobError, Kind, Ray, Scene, Sphere, Stop};
+use std::fs;
+use std::path::PathBuf;
+
+const HEADER: usize = size_of::<Header>();
+
+/// A blob of 60 primitives of all kinds in a hierarchy.
+fn good() -> Vec<u8> {
+    build(&mixed(60, 1), &Config::new(Kind::Bvh).leaf(3)).to_vec()
+}
+
+fn load(bytes: &[u8]) -> Result<(), BlobError> {
+    Scene::from_bytes(&Buffer::from(bytes)).map(|_| ())
+}
+
+fn header(bytes: &mut [u8], edit: impl FnOnce(&mut Header)) {
+    let mut header: Header = bytemuck::pod_read_unaligned(&bytes[..HEADER]);
+    edit(&mut header);
+    bytes[..HEADER].copy_from_slice(bytemuck::bytes_of(&header));
+}
+
+fn entries(bytes: &[u8]) -> Vec<Entry> {
+    let header: Header = bytemuck::pod_read_unaligned(&bytes[..HEADER]);
+    bytes[HEADER..HEADER + header.sections as usize * size_of::<Entry>()]
+        .chunks_exact(size_of::<Entry>())
+        .map(bytemuck::pod_read_unaligned)
+        .collect()
+}
+
+fn set_entry(bytes: &mut [u8], at: usize, edit: impl FnOnce(&mut Entry)) {
+    let mut entry = entries(bytes)[at];
+    edit(&mut entry);
+    let start = HEADER + at * size_of::<Entry>();
+    bytes[start..start + size_of::<Entry>()].copy_from_slice(bytemuck::bytes_of(&entry));
+}
+
+/// Edits entry `at` of a section.
+fn edit<T: bytemuck::Pod>(bytes: &mut [u8], section: Section, at: usize, edit: impl FnOnce(&mut T)) {
+    let entry = entries(bytes).into_iter().find(|e| e.section == section.number()).expect("the section is there");
+    let start = entry.offset as usize + at * size_of::<T>();
+    let mut value: T = bytemuck::pod_read_unaligned(&bytes[start..start + size_of::<T>()]);
+    edit(&mut value);
+    bytes[start..start + size_of::<T>()].copy_from_slice(bytemuck::bytes_of(&value));
+}
+
+/// Puts the right length and checksum on edited bytes.
+fn seal(bytes: &mut [u8]) {
+    let sum = crc32(&bytes[16..]);
+    header(bytes, |h| h.checksum = sum);
+}
+
+type Break = fn(&mut Vec<u8>);
+
+/// For each rule an edit that breaks it and no rule before it.
+const BREAKS: &[(Rule, Break)] = &[
+    (Rule::Size, |b| b.truncate(79)),
+    (Rule::Magic, |b| b[0] ^= 1),
+    (Rule::Version, |b| header(b, |h| h.version = 2)),
+    (Rule::Length, |b| b.push(0)),
+    (Rule::KindKnown, |b| header(b, |h| h.kind = 99)),
+    (Rule::Reserved, |b| header(b, |h| h.reserved[1] = 7)),
+    (Rule::SectionOrder, |b| set_entry(b, 1, |e| e.section = 1)),
+    (Rule::SectionPlace, |b| set_entry(b, 1, |e| e.offset += 64)),
+    (Rule::SectionLength, |b| {
+        // The last section is the nodes': half a node less.
+        let last = entries(b).len() - 1;
+        set_entry(b, last, |e| e.length -= 32);
+        let n = b.len() - 32;
+        b.truncate(n);
+        header(b, |h| h.length -= 32);
+    }),
+    (Rule::Bounds, |b| header(b, |h| h.bounds.min[0] = f32::NAN)),
+    (Rule::Stack, |b| header(b, |h| h.stack = 65)),
+    (Rule::PrimCount, |b| header(b, |h| h.prims += 1)),
+    (Rule::Checksum, |b| header(b, |h| h.steps += 1)),
+    (Rule::Padding, |b| {
+        let end = HEADER + size_of_val(&entries(b)[..]);
+        b[end] = 1;
+        seal(b);
+    }),
+    (Rule::PrimShape, |b| {
+        edit::<Sphere>(b, Section::Spheres, 2, |s| s.radius = -1.0);
+        seal(b);
+    }),
+    (Rule::PrimBounds, |b| {
+        edit::<Sphere>(b, Section::Spheres, 2, |s| s.radius = 1e3);
+        seal(b);
+    }),
+    (Rule::RefOrder, |b| {
+        edit::<u32>(b, Section::Refs, 0, |r| *r += 1);
+        seal(b);
+    }),
+    (Rule::IdRange, |b| {
+        edit::<u32>(b, Section::Ids, 5, |id| *id = 60);
+        seal(b);
+    }),
+    (Rule::NodeOrder, |b| {
+        edit::<Node>(b, Section::BvhNodes, 0, |n| n.child[1] = n.child[0]);
+        seal(b);
+    }),
+    (Rule::LeafOrder, |b| {
+        let nodes = (entries(b).last().expect("nodes").length / 64) as usize;
+        edit::<Node>(b, Section::BvhNodes, nodes - 1, |n| n.child[1] = Child::leaf(0, 1));
+        seal(b);
+    }),
+    (Rule::NodeBounds, |b| {
+        edit::<Node>(b, Section::BvhNodes, 3, |n| n.planes[1][0] = n.planes[0][0]);
+        seal(b);
+    }),
+    (Rule::StackTrue, |b| {
+        header(b, |h| h.stack += 1);
+        seal(b);
+    }),
+    (Rule::StepsTrue, |b| {
+        header(b, |h| h.steps -= 1);
+        seal(b);
+    }),
+];
+
+#[test]
+fn every_rule_has_an_edit_that_breaks_exactly_it() {
+    assert_eq!(load(&good()), Ok(()));
+    for (rule, edit) in BREAKS {
+        let mut bytes = good();
+        edit(&mut bytes);
+        let error = load(&bytes).expect_err(rule.text());
+        assert_eq!(error.rule, *rule, "{error}");
+        assert!(error.to_string().starts_with(&format!("rule {}, ", rule.number())), "{error}");
+    }
+    // The one rule that is not about the bytes but about where they lie.
+    let tested: Vec<_> = BREAKS.iter().map(|(rule, _)| *rule).chain([Rule::Alignment]).collect();
+    for rule in Rule::ALL {
+        assert!(tested.contains(rule), "rule {} has no test", rule.number());
+    }
+}
+
+#[test]
+fn a_blob_must_start_at_a_multiple_of_four() {
+    let bytes = good();
+    let mut buffer = Buffer::zeroed(bytes.len() + 64);
+    for shift in 0..64 {
+        buffer[shift..shift + bytes.len()].copy_from_slice(&bytes);
+        let result = Scene::from_bytes(&buffer[shift..shift + bytes.len()]).map(|s| s.len());
+        if shift % 4 == 0 {
+            assert_eq!(result, Ok(60));
+        } else {
+            let error = result.expect_err("crooked");
+            assert_eq!((error.rule, error.found, error.needed), (Rule::Alignment, shift as u32 % 4, 4));
+        }
+    }
+}
+
+#[test]
+fn more_ways_to_break_the_nodes() {
+    let breaks: &[(Rule, Break)] = &[
+        // A node that is its own child, one that is shared, one that does not exist, one that is left out.
+        (Rule::NodeOrder, |b| edit::<Node>(b, Section::BvhNodes, 0, |n| n.child[0] = Child::node(0))),
+        (Rule::NodeOrder, |b| edit::<Node>(b, Section::BvhNodes, 2, |n| n.child[0] = Child::node(1))),
+        (Rule::NodeOrder, |b| edit::<Node>(b, Section::BvhNodes, 0, |n| n.child[0] = Child::node(1 << 27))),
+        (Rule::LeafOrder, |b| edit::<Node>(b, Section::BvhNodes, 0, |n| n.child[0] = Child::leaf(1, 3))),
+        (Rule::LeafOrder, |b| edit::<Node>(b, Section::BvhNodes, 0, |n| n.child[0] = Child::leaf((1 << 28) - 1, 15))),
+        (Rule::Reserved, |b| edit::<Node>(b, Section::BvhNodes, 4, |n| n.reserved[0] = 1)),
+        (Rule::NodeBounds, |b| edit::<Node>(b, Section::BvhNodes, 4, |n| n.planes[2][1] = f32::NAN)),
+        (Rule::NodeBounds, |b| edit::<Node>(b, Section::BvhNodes, 0, |n| n.planes[1][1] = f32::INFINITY)),
+        (Rule::PrimShape, |b| edit::<flashray::Cone>(b, Section::Cones, 0, |c| c.caps = 2)),
+        (Rule::PrimShape, |b| edit::<flashray::Aabb>(b, Section::Boxes, 0, |c| c.min[1] = c.max[1] + 1.0)),
+        (Rule::PrimShape, |b| edit::<f32>(b, Section::Triangles, 4, |x| *x = f32::INFINITY)),
+        (Rule::RefOrder, |b| edit::<u32>(b, Section::Refs, 3, |r| *r = u32::MAX)),
+    ];
+    for (i, (rule, edit)) in breaks.iter().enumerate() {
+        let mut bytes = good();
+        edit(&mut bytes);
+        seal(&mut bytes);
+        assert_eq!(load(&bytes).expect_err("broken").rule, *rule, "edit {i}");
+        // Not checked, it is as safe: whatever the answers, there are answers.
+        let buffer = Buffer::from(&bytes[..]);
+        let scene = Scene::trust(&buffer).expect("only the inside is broken");
+        for k in 0..3 {
+            let mut dir = [0.1, 0.2, 0.3];
+            dir[k] = 1.0;
+            let ray = Ray::new([-3.0, -2.5, -2.0], dir).within(-100.0, 100.0);
+            let _ = (scene.closest_hit(&ray), scene.any_hit(&ray));
+            // The plain queries pay from the blob's own numbers; this caller gives more, and a cycle spends it.
+            let within = scene.closest_hit_within(&ray, 100_000);
+            assert!(matches!(within, Ok(_) | Err(Stop::Fuel | Stop::Corrupt)));
+        }
+    }
+}
+
+#[test]
+fn every_damaged_byte_is_noticed() {
+    let bytes = build(&mixed(20, 2), &Config::new(Kind::Bvh)).to_vec();
+    for at in 0..bytes.len() {
+        for flip in [1, 0x80, 0xff] {
+            let mut damaged = bytes.clone();
+            damaged[at] ^= flip;
+            assert!(load(&damaged).is_err(), "byte {at} ^ {flip:#x} went unnoticed");
+        }
+    }
+    for len in 0..bytes.len() {
+        assert!(load(&bytes[..len]).is_err(), "cut to {len} bytes");
+    }
+}
+
+#[test]
+fn the_smallest_blobs() {
+    for config in configs() {
+        for n in 0..20 {
+            let soup =
+                Soup { spheres: vec![Sphere { center: [n as f32, 0.0, 0.0], radius: 0.5 }; n], ..Soup::default() };
+            let blob = build(&soup, &config);
+            let scene = Scene::from_bytes(&blob).expect("a good blob");
+            let ray = Ray::new([n as f32, 0.0, 5.0], [0.0, 0.0, -1.0]);
+            assert_eq!(scene.closest_hit(&ray).map(|h| (h.t, h.prim)), (n > 0).then_some((4.5, 0)));
+            assert_eq!(scene.closest_hit_within(&ray, scene.limits().steps).map(|h| h.is_some()), Ok(n > 0));
+            assert_eq!((scene.len() as usize, scene.is_empty()), (n, n == 0));
+        }
+    }
+}
+
+#[test]
+fn building_in_lent_memory_gives_the_same_bytes_and_says_what_is_full() {
+    let soup = mixed(100, 3);
+    let mesh = mesh(&soup);
+    for config in configs() {
+        let expected = to_vec(&mesh, &config).expect("a good mesh");
+        let needs = Needs::new(&mesh, &config).expect("small enough");
+        assert!(needs.refs == 100 && needs.bytes >= expected.len());
+        let (mut refs, mut nodes) = (heapless::Vec::<_, 100>::new(), heapless::Vec::<_, 99>::new());
+        let mut out = vec![0xa5; needs.bytes];
+        let mut arena = Arena { refs: &mut refs, nodes: &mut nodes };
+        assert_eq!(into(&mesh, &config, &mut arena, &mut out), Ok(&expected[..]));
+        // One byte short: the error says how many are enough, and nothing is written.
+        let mut short = vec![0xa5; expected.len() - 1];
+        let full = BuildError::Full { what: What::Out, needed: expected.len(), had: expected.len() - 1 };
+        assert_eq!(into(&mesh, &config, &mut arena, &mut short), Err(full));
+        assert!(short.iter().all(|&b| b == 0xa5));
+        let (mut few, mut none) = (heapless::Vec::<_, 99>::new(), heapless::Vec::<_, 0>::new());
+        let mut arena = Arena { refs: &mut few, nodes: &mut nodes };
+        let full = BuildError::Full { what: What::Refs, needed: 100, had: 99 };
+        assert_eq!(into(&mesh, &config, &mut arena, &mut out), Err(full));
+        let mut arena = Arena { refs: &mut refs, nodes: &mut none };
+        let full = BuildError::Full { what: What::Nodes, needed: 99, had: 0 };
+        let result = into(&mesh, &config, &mut arena, &mut out).map(<[u8]>::len);
+        assert_eq!(result, if config.kind == Kind::List { Ok(expected.len()) } else { Err(full) });
+    }
+}
+
+#[test]
+fn bad_meshes_are_refused_by_name() {
+    let corner = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, f32::NAN, 0.0]];
+    let config = Config::new(Kind::Bvh);
+    let error = |mesh: &Mesh<'_>, config: &Config| to_vec(mesh, config).expect_err("a bad mesh");
+    assert_eq!(error(&Mesh::new(&corner, &[[0, 1, 2]]), &config), BuildError::Primitive { prim: 0 });
+    let index = BuildError::Index { triangle: 1, vertex: 3, vertices: 3 };
+    assert_eq!(error(&Mesh::new(&corner, &[[0, 1, 0], [0, 1, 3]]), &config), index);
+    let balls = [Sphere { center: [0.0; 3], radius: 1.0 }, Sphere { center: [0.0; 3], radius: -1.0 }];
+    assert_eq!(error(&Mesh::new(&corner, &[[0, 1, 1]]).spheres(&balls), &config), BuildError::Primitive { prim: 2 });
+    assert_eq!(error(&Mesh::default(), &config.leaf(16)), BuildError::Leaf { found: 16 });
+    assert_eq!(error(&Mesh::default(), &config.local([f32::NAN, 0.0, 0.0])), BuildError::Local);
+    let huge = [Sphere { center: [3e38, 0.0, 0.0], radius: 3e38 }];
+    assert_eq!(error(&Mesh::default().spheres(&huge), &config), BuildError::Primitive { prim: 0 });
+}
+
+#[test]
+fn a_million_identical_triangles_and_coincident_centres_end() {
+    let positions = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
+    let triangles = vec![[0, 1, 2]; 1_000_000];
+    // Boxes of all sizes around one centre separate by nothing but size.
+    let shells: Vec<_> = (1..5000).map(|i| Sphere { center: [0.0; 3], radius: i as f32 }).collect();
+    for config in configs() {
+        let blob = Buffer::from(&to_vec(&Mesh::new(&positions, &triangles), &config).expect("builds")[..]);
+        let scene = Scene::from_bytes(&blob).expect("a good blob");
+        assert!(scene.limits().stack <= 20, "{} levels", scene.limits().stack);
+        if config.kind != Kind::List {
+            let hit = scene.closest_hit(&Ray::new([0.2, 0.2, 1.0], [0.0, 0.0, -1.0])).expect("a hit");
+            assert_eq!((hit.t, hit.prim), (1.0, 0));
+        }
+        let blob = Buffer::from(&to_vec(&Mesh::default().spheres(&shells), &config).expect("builds")[..]);
+        let scene = Scene::from_bytes(&blob).expect("a good blob");
+        assert_eq!(scene.closest_hit(&Ray::new([0.0; 3], [0.0, 1.0, 0.0])).map(|h| (h.t, h.prim)), Some((1.0, 0)));
+    }
+}
+
+#[test]
+fn a_staircase_that_halving_boxes_can_not_part_stays_within_the_stack() {
+    // Each object half as far as the last: the middle of the box parts off one at a time, as far as f32 goes.
+    let balls: Vec<_> = (0..3000)
+        .map(|i| Sphere { center: [2.0f32.powi(-(i % 120)), 0.0, 0.0], radius: 1e-38 * (i + 1) as f32 })
+        .collect();
+    for config in configs() {
+        let blob = Buffer::from(&to_vec(&Mesh::default().spheres(&balls), &config.leaf(1)).expect("builds")[..]);
+        let scene = Scene::from_bytes(&blob).expect("a good blob");
+        assert!(scene.limits().stack <= 64, "{} levels", scene.limits().stack);
+    }
+}
+
+/// The golden blobs, and the mesh and configuration that made each: `FLASHRAY_GOLDEN=write cargo test golden`.
+fn golden() -> Vec<(&'static str, Soup, Config)> {
+    vec![
+        ("v1-list-empty", Soup::default(), Config::new(Kind::List)),
+        ("v1-bvh-empty", Soup::default(), Config::new(Kind::Bvh)),
+        ("v1-list-mixed-15", mixed(15, 4), Config::new(Kind::List)),
+        ("v1-bvh-mixed-100", mixed(100, 5), Config::new(Kind::Bvh)),
+        ("v1-bvh-seed-sphere-80", icosphere(1), Config::new(Kind::Bvh).rule(flashray::build::Rule::Seed)),
+        ("v1-bvh-local-sphere-80", icosphere(1), Config::new(Kind::Bvh).local([0.25, -0.5, 8.0])),
+    ]
+}
+
+#[test]
+fn golden_blobs_load_and_are_built_alike() {
+    let folder = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("tests/golden");
+    for (name, soup, config) in golden() {
+        let path = folder.join(format!("{name}.fray"));
+        let built = build(&soup, &config);
+        if std::env::var_os("FLASHRAY_GOLDEN").is_some_and(|v| v == "write") {
+            fs::write(&path, &*built).expect("tests/golden can be written");
+        }
+        let kept = Buffer::from(&fs::read(&path).expect("the golden blob is there")[..]);
+        assert!(*kept == *built, "{name}: the builder's bytes have changed");
+        let (a, b) = (Scene::from_bytes(&kept).expect(name), Scene::from_bytes(&built).expect(name));
+        let ray = Ray::new([3.0, 2.0, 9.0], [-0.3, -0.2, -1.0]);
+        assert_eq!(bits(a.closest_hit(&ray)), bits(b.closest_hit(&ray)));
+    }
+}

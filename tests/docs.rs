@@ -1,0 +1,92 @@
+//! What the documents say is what the code does.
+use flashray::blob::{Entry, Header, KINDS, Rule, Section};
+use flashray::bvh::Node;
+use std::fs;
+use std::mem::offset_of;
+use std::path::Path;
+
+fn read(path: &str) -> String {
+    fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join(path)).expect(path)
+}
+
+/// The cells of every table row.
+fn rows(text: &str) -> Vec<Vec<&str>> {
+    text.lines()
+        .filter(|l| l.trim_start_matches("//!").trim().starts_with('|'))
+        .map(|l| l.trim_start_matches("//!").trim().trim_matches('|').split('|').map(str::trim).collect())
+        .collect()
+}
+
+#[test]
+fn the_format_s_rules_are_the_code_s() {
+    let text = read("docs/format.md");
+    let rows = rows(&text);
+    for rule in Rule::ALL {
+        let row = vec![rule.number().to_string(), rule.text().to_string()];
+        assert!(rows.iter().any(|r| *r == row), "rule {} is not in docs/format.md as `{}`", row[0], row[1]);
+    }
+    let last = rows.iter().filter(|r| r.len() == 2 && r[0].parse::<u8>().is_ok()).count();
+    assert_eq!(last, Rule::ALL.len(), "docs/format.md has rules that the code lacks");
+}
+
+#[test]
+fn the_format_s_tables_are_the_code_s() {
+    let text = read("docs/format.md");
+    let rows = rows(&text);
+    let has = |offset: usize, size: usize, field: &str| {
+        let field = format!("`{field}`");
+        let found = rows
+            .iter()
+            .any(|r| r.len() == 4 && r[2] == field && r[0] == offset.to_string() && r[1] == size.to_string());
+        assert!(found, "{field} at {offset}, {size} bytes, is not in docs/format.md");
+    };
+    has(offset_of!(Header, magic), 4, "magic");
+    has(offset_of!(Header, version), 4, "version");
+    has(offset_of!(Header, length), 4, "length");
+    has(offset_of!(Header, checksum), 4, "checksum");
+    has(offset_of!(Header, kind), 4, "kind");
+    has(offset_of!(Header, prims), 4, "prims");
+    has(offset_of!(Header, stack), 4, "stack");
+    has(offset_of!(Header, steps), 4, "steps");
+    has(offset_of!(Header, bounds), 24, "bounds");
+    has(offset_of!(Header, local), 12, "local");
+    has(offset_of!(Header, sections), 4, "sections");
+    has(offset_of!(Header, reserved), 8, "reserved");
+    has(offset_of!(Node, planes), 48, "planes");
+    has(offset_of!(Node, child), 8, "child");
+    has(offset_of!(Node, reserved), 8, "reserved");
+    assert!(text.contains(&format!("## Section table: {} bytes an entry", size_of::<Entry>())));
+    let sizes = [
+        (Section::Triangles, size_of::<flashray::Triangle>()),
+        (Section::Spheres, size_of::<flashray::Sphere>()),
+        (Section::Boxes, size_of::<flashray::Aabb>()),
+        (Section::Cylinders, size_of::<flashray::Cylinder>()),
+        (Section::Cones, size_of::<flashray::Cone>()),
+        (Section::Refs, 4),
+        (Section::Ids, 4),
+        (Section::BvhNodes, size_of::<Node>()),
+    ];
+    assert_eq!(sizes.map(|(s, _)| s), Section::LISTED);
+    for (section, size) in sizes {
+        let cells = [section.number().to_string(), section.name().into(), size.to_string()];
+        assert!(rows.iter().any(|r| r.len() == 4 && r[..3] == cells), "{cells:?} is not in docs/format.md");
+    }
+    for (kind, name) in KINDS {
+        assert!(text.contains(&format!("{} {name}", kind as u32)), "kind {name} is not in docs/format.md");
+        assert_eq!(kind.name(), name);
+    }
+}
+
+#[test]
+fn tables_in_the_source_are_those_of_the_format() {
+    let text = read("docs/format.md");
+    let format = rows(&text);
+    for path in ["src/blob/header.rs", "src/bvh/mod.rs"] {
+        let source = read(path);
+        let table: Vec<_> = rows(&source).into_iter().filter(|r| r.len() == 4 && r[0].parse::<u32>().is_ok()).collect();
+        assert!(table.len() >= 3, "{path} has its table");
+        for row in table {
+            assert!(format.contains(&row), "{path}: {row:?} is not in docs/format.md");
+        }
+    }
+}
