@@ -77,7 +77,7 @@ fn files(folder: &Path) -> io::Result<Vec<(String, Buffer)>> {
 }
 
 fn bytes(random: &mut Random, n: usize) -> Vec<u8> {
-    (0..n).map(|_| random.next() as u8).collect()
+    (0..n).map(|_| random.word() as u8).collect()
 }
 
 /// Data that make exactly the rays that `parse`, `trace` and `damage` read.

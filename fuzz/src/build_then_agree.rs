@@ -17,6 +17,9 @@ const PRIMS: usize = 64;
 /// Every way to build.
 const BUILDS: [(Kind, Rule); 3] = [(Kind::List, Rule::Sah), (Kind::Bvh, Rule::Seed), (Kind::Bvh, Rule::Sah)];
 
+/// Rays and what the list said to them.
+type Answers = Vec<(Ray, Option<Hit>)>;
+
 /// One run.
 pub fn run(data: &[u8]) {
     let _ = attempt(&mut Unstructured::new(data));
@@ -124,7 +127,7 @@ fn attempt(u: &mut Unstructured<'_>) -> Result<()> {
     let mesh = soup.mesh();
     let config = |(kind, rule)| Config::new(kind).rule(rule).leaf(leaf).local(local);
     let blobs: Vec<_> = BUILDS.into_iter().map(|build| to_vec(&mesh, &config(build))).collect();
-    let mut first: Option<Vec<(Ray, Option<Hit>)>> = None;
+    let mut first: Option<Answers> = None;
     for (build, blob) in BUILDS.into_iter().zip(&blobs) {
         // Two more builds each, for a share of the runs: they cost as much as all the rest.
         arenas(&mesh, &config(build), blob, flags & 12 == 0);
@@ -140,7 +143,7 @@ fn attempt(u: &mut Unstructured<'_>) -> Result<()> {
 }
 
 /// A built blob is accepted, keeps its promises, and answers as the first structure, the list, did.
-fn agree(blob: &[u8], specs: &[Spec], first: &mut Option<Vec<(Ray, Option<Hit>)>>, build: (Kind, Rule)) {
+fn agree(blob: &[u8], specs: &[Spec], first: &mut Option<Answers>, build: (Kind, Rule)) {
     let scene = Scene::from_bytes(blob).unwrap_or_else(|e| panic!("{build:?} was built and then refused: {e}"));
     let judge = Judge::new(scene, blob);
     let asked = first.get_or_insert_with(|| {

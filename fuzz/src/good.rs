@@ -65,7 +65,7 @@ pub struct Random(pub u64);
 
 impl Random {
     /// The next 64 bits.
-    pub fn next(&mut self) -> u64 {
+    pub fn word(&mut self) -> u64 {
         self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
         let z = (self.0 ^ (self.0 >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
         let z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
@@ -74,6 +74,6 @@ impl Random {
 
     /// A number below `n`.
     pub fn below(&mut self, n: u16) -> u16 {
-        (self.next() % u64::from(n.max(1))) as u16
+        (self.word() % u64::from(n.max(1))) as u16
     }
 }

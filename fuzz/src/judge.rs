@@ -56,6 +56,7 @@ impl<'a> Judge<'a> {
         assert_eq!(limits.steps, nodes + prims.len, "the most steps are all nodes and all primitives");
         let mut ids: Vec<_> = (0..prims.len).map(|slot| prims.id(slot)).collect();
         ids.sort_unstable();
+        assert!(ids.last().is_none_or(|&id| id < prims.len), "a number beyond the primitives was accepted: {ids:?}");
         let unique = ids.windows(2).all(|w| w[0] != w[1]);
         let list = list(&scene, &prims);
         assert!(Scene::from_bytes(&list).is_ok(), "the list over the primitives of an accepted blob is accepted");
@@ -84,7 +85,7 @@ impl<'a> Judge<'a> {
         assert!(same(counted, hit), "counted: {counted:?}, not {hit:?}, for {ray:?}");
         assert!(steps.nodes + steps.prims <= limits.steps, "{steps:?} is beyond {limits:?} for {ray:?}");
         assert_eq!(scene.any_hit(ray), hit.is_some(), "any and closest differ, {hit:?}, for {ray:?}");
-        let Some(found) = hit else { return None };
+        let found = hit?;
         assert!(sane(ray), "a ray that makes no sense met {found:?}: {ray:?}");
         assert!(found.t >= ray.t_min && found.t <= ray.t_max, "{found:?} is outside of {ray:?}");
         assert!(found.t.is_finite() && found.t.to_bits() != (-0.0f32).to_bits(), "{found:?} has no proper t, {ray:?}");

@@ -18,7 +18,7 @@
 //!    to the far side of the scene's bounds. The slab's own three roundings add `3u E`. The pad is `16u E`, plus
 //!    `2u |o|` so that adding it to the origin survives rounding, plus the least normal number for scenes so small
 //!    that products underflow. This holds while `|v - o|` and `S (v - o)` neither overflow nor lose bits to
-//!    underflow: coordinates and origins up to 1e37 in size, and `t` from 2^-60 up within f32. Beyond that range answers are still
+//!    underflow: coordinates and origins up to 1e37 in size, directions up to 2^126, and `t` within f32. Beyond that range answers are still
 //!    the same everywhere, and still those of the list, but a crossing may be lost.
 //! 5. Only `+ - * /` and square root reach a result, in the order written, never contracted. Minimum and maximum are
 //!    compare-and-select with the operand that is never NaN second.

@@ -1,6 +1,6 @@
 //! Rays, and what is computed once per ray.
 use super::aabb::Aabb;
-use super::vec::{Vec3, finite, least, most, size, sub};
+use super::vec::{Vec3, least, most, size, sub};
 
 /// A ray: the points `origin + t dir` for `t` in `[t_min, t_max]`, both ends included.
 ///
@@ -82,10 +82,8 @@ const PAD: f32 = 16.0 / 16_777_216.0;
 /// Share of the origin's own size, so that the pad survives the rounding of `origin + pad`: 2 half-ulps.
 const ORIGIN_PAD: f32 = 2.0 / 16_777_216.0;
 
-/// Directions whose largest component is outside of these are scaled by [`SCALE`] or its inverse, so that `1 / dir` is a
-/// normal number.
-const SMALL: f32 = 1.0 / LARGE;
-const LARGE: f32 = 1_267_650_600_228_229_401_496_703_205_376.0; // 2^100
+/// Directions whose largest component is below this are scaled by [`SCALE`], so that `1 / dir` does not overflow.
+const SMALL: f32 = 1.0 / 1_267_650_600_228_229_401_496_703_205_376.0; // 2^-100
 const SCALE: f32 = 18_446_744_073_709_551_616.0; // 2^64
 
 /// A ray that makes sense, with what every test of it shares.
@@ -111,7 +109,7 @@ pub struct Prepared {
     pub(crate) t_min: f32,
     /// Greatest `t` that counts.
     pub(crate) t_max: f32,
-    /// What a `t` found is to be multiplied by: a power of two, 1 but for directions of extreme size.
+    /// What a `t` found is to be multiplied by: a power of two, 1 but for directions of extremely small size.
     pub(crate) unit: f32,
 }
 
@@ -125,52 +123,45 @@ impl Prepared {
         // Adding 0.0 turns -0.0 into 0.0, so that the two can not part ways below.
         let dir = [ray.dir[0] + 0.0, ray.dir[1] + 0.0, ray.dir[2] + 0.0];
         let origin = sub(ray.origin, local);
-        let largest = size(dir);
-        if !finite(ray.origin) || !finite(dir) || largest == 0.0 || !(ray.t_min <= ray.t_max) {
+        let sizes = [dir[0].abs(), dir[1].abs(), dir[2].abs()];
+        let largest = most(sizes[2], most(sizes[1], sizes[0]));
+        if !all_finite(ray.origin, dir) || largest == 0.0 || !(ray.t_min <= ray.t_max) {
             return None;
         }
-        let (dir, largest, interval, unit) = match () {
-            () if largest < SMALL => rescale(dir, largest, ray, SCALE),
-            () if largest > LARGE => rescale(dir, largest, ray, 1.0 / SCALE),
-            () => (dir, largest, [ray.t_min, ray.t_max], 1.0),
-        };
-        let kz = match () {
-            () if dir[0].abs() == largest => Axis::X,
-            () if dir[1].abs() == largest => Axis::Y,
-            () => Axis::Z,
-        };
+        // Selected, not branched on, here and below: the signs and the order of components are as good as random.
+        let kz = if sizes[1] > sizes[0] { Axis::Y } else { Axis::X };
+        let kz = if sizes[2] > most(sizes[1], sizes[0]) { Axis::Z } else { kz };
+        let prepared = Self::scaled(dir, kz, origin, [ray.t_min, ray.t_max], bounds);
+        if largest < SMALL {
+            return rescaled(dir, kz, origin, ray, bounds);
+        }
+        Some(prepared)
+    }
+
+    /// The rest of the preparation, for a direction whose largest component, on `kz`, has a normal inverse.
+    #[inline(always)]
+    fn scaled(dir: Vec3, kz: Axis, origin: Vec3, [t_min, t_max]: [f32; 2], bounds: &Aabb) -> Self {
         let (kx, ky) = kz.others();
         let inv = [1.0 / dir[0], 1.0 / dir[1], 1.0 / dir[2]];
         let extent = most(size(sub(bounds.min, origin)), size(sub(bounds.max, origin)));
         let pad = extent * PAD + f32::MIN_POSITIVE;
-        let mut prepared = Self {
+        // A plane looks nearer from an origin moved along the ray, and farther from one moved against it.
+        let pad = |k: usize| (pad + origin[k].abs() * ORIGIN_PAD).copysign(dir[k]);
+        let pad = [pad(0), pad(1), pad(2)];
+        Self {
             origin,
-            near_origin: origin,
-            far_origin: origin,
+            near_origin: [origin[0] + pad[0], origin[1] + pad[1], origin[2] + pad[2]],
+            far_origin: [origin[0] - pad[0], origin[1] - pad[1], origin[2] - pad[2]],
             inv,
             negative: [dir[0] < 0.0, dir[1] < 0.0, dir[2] < 0.0],
             kz,
             kx,
             ky,
             shear: [dir[kx.at()] * inv[kz.at()], dir[ky.at()] * inv[kz.at()]],
-            t_min: interval[0],
-            t_max: interval[1],
-            unit,
-        };
-        prepared.pad_axis::<0>(pad);
-        prepared.pad_axis::<1>(pad);
-        prepared.pad_axis::<2>(pad);
-        Some(prepared)
-    }
-
-    /// Moves axis `K`'s two origins apart by the pad, in the directions that widen every slab.
-    #[inline(always)]
-    fn pad_axis<const K: usize>(&mut self, pad: f32) {
-        let o = self.origin[K];
-        let pad = pad + o.abs() * ORIGIN_PAD;
-        let pad = if self.negative[K] { -pad } else { pad };
-        self.near_origin[K] = o + pad;
-        self.far_origin[K] = o - pad;
+            t_min,
+            t_max,
+            unit: 1.0,
+        }
     }
 
     /// *The* slab test: the padded interval of `t` in which the whole line is inside the box; empty if the first
@@ -225,14 +216,23 @@ impl Prepared {
     }
 }
 
-/// A direction times `factor`, its largest component, the interval over `factor`, and the unit of `t` that undoes it.
+/// Whether no component is NaN or infinite: their products with 0 would not be 0, nor their sum.
+#[inline(always)]
+fn all_finite(a: Vec3, b: Vec3) -> bool {
+    (a[0] * 0.0 + a[1] * 0.0) + (a[2] * 0.0 + b[0] * 0.0) + (b[1] * 0.0 + b[2] * 0.0) == 0.0
+}
+
+/// The rest of the preparation, for directions of extremely small size: scaled up by a power of two, which is exact.
 ///
-/// Powers of two, so nothing is rounded but what leaves the range of normal numbers. The greatest `t` is such that it
-/// is finite again when scaled back.
+/// So is scaling a `t` that was found back, because the interval is cut to where that is finite. The interval itself may
+/// underflow: its ends then round inwards, and it may become empty.
 #[cold]
 #[inline(never)]
-fn rescale(dir: Vec3, largest: f32, ray: &Ray, factor: f32) -> (Vec3, f32, [f32; 2], f32) {
-    let t_max = least(ray.t_max, f32::MAX);
-    let interval = [ray.t_min / factor, t_max / factor];
-    (dir.map(|d| d * factor), largest * factor, interval, factor)
+fn rescaled(dir: Vec3, kz: Axis, origin: Vec3, ray: &Ray, bounds: &Aabb) -> Option<Prepared> {
+    let (t_min, t_max) = (most(ray.t_min, f32::MIN), least(ray.t_max, f32::MAX));
+    let (low, high) = (t_min / SCALE, t_max / SCALE);
+    let low = if low * SCALE < t_min { low.next_up() } else { low };
+    let high = if high * SCALE > t_max { high.next_down() } else { high };
+    let prepared = Prepared::scaled(dir.map(|d| d * SCALE), kz, origin, [low, high], bounds);
+    (low <= high).then_some(Prepared { unit: SCALE, ..prepared })
 }
