@@ -31,6 +31,8 @@ pub struct Config {
     pub rule: Rule,
     /// Most primitives of a leaf, from 1 to 15.
     pub leaf: u32,
+    /// How many times every subtree is taken out and put where it costs least, after [`Rule::Sah`]: 0 builds fastest.
+    pub reinsert: u32,
     /// Subtracted from every coordinate before it is stored, and from every ray's origin: for scenes far from 0.
     pub local: [f32; 3],
 }
@@ -39,7 +41,7 @@ impl Config {
     /// The defaults: the surface-area heuristic, leaves of up to 8 primitives, no local origin.
     #[must_use]
     pub const fn new(kind: Kind) -> Self {
-        Self { kind, rule: Rule::Sah, leaf: 8, local: [0.0; 3] }
+        Self { kind, rule: Rule::Sah, leaf: 8, reinsert: 2, local: [0.0; 3] }
     }
 
     /// With another rule.
@@ -53,6 +55,13 @@ impl Config {
     #[must_use]
     pub const fn leaf(mut self, leaf: u32) -> Self {
         self.leaf = leaf;
+        self
+    }
+
+    /// With so many rounds of reinsertion.
+    #[must_use]
+    pub const fn reinsert(mut self, rounds: u32) -> Self {
+        self.reinsert = rounds;
         self
     }
 

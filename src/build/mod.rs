@@ -110,10 +110,15 @@ fn lend<T: bytemuck::Zeroable + Clone>(view: &mut VecView<T>, n: usize, what: Wh
 /// A finished structure that has not been written yet: its exact length is known.
 struct Plan<'p> {
     mesh: &'p Mesh<'p>,
-    refs: &'p [Ref],
-    nodes: &'p [Node],
+    built: Built<'p>,
     layout: crate::blob::write::Layout,
     facts: crate::blob::write::Facts,
+}
+
+/// A structure as its builder left it.
+enum Built<'p> {
+    List(&'p [Ref]),
+    Bvh(bvh::build::Tree<'p>),
 }
 
 impl<'p> Plan<'p> {
@@ -125,12 +130,17 @@ impl<'p> Plan<'p> {
     ) -> Result<Self, BuildError> {
         config.check()?;
         let bounds = refs::fill(mesh, config, refs)?;
-        let (nodes, stack, steps): (&[Node], u32, u32) = match config.kind {
-            Kind::List => (&[], 0, crate::num::count(refs.len())),
-            Kind::Bvh => bvh::build::build(config, refs, nodes, &bounds)?,
+        let prims = crate::num::count(refs.len());
+        let (built, nodes, stack) = match config.kind {
+            Kind::List => (Built::List(refs), 0, 0),
+            Kind::Bvh => {
+                let tree = bvh::build::build(config, refs, nodes, &bounds)?;
+                (Built::Bvh(tree), tree.len, tree.stack)
+            }
         };
-        let layout = write::layout(mesh, crate::num::count(nodes.len()), config.kind)?;
-        let facts = write::facts(config, refs.len(), bounds, (stack, steps));
-        Ok(Self { mesh, refs, nodes, layout, facts })
+        let layout = write::layout(mesh, nodes, config.kind)?;
+        let steps = nodes.saturating_add(prims);
+        let facts = crate::blob::write::Facts { kind: config.kind, prims, stack, steps, bounds, local: config.local };
+        Ok(Self { mesh, built, layout, facts })
     }
 }

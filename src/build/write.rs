@@ -1,9 +1,10 @@
 //! From a finished structure to bytes.
-use super::{BuildError, Config, Mesh, Plan, Ref};
+use super::{BuildError, Built, Mesh, Plan, Ref};
 use crate::blob::prims::{Primitive, reference};
-use crate::blob::write::{Facts, Layout};
+use crate::blob::write::Layout;
 use crate::blob::{Kind, Section};
 use crate::bvh::Node;
+use crate::bvh::build::Tree;
 use crate::geom::{Aabb, Cone, Cylinder, Sphere, Triangle};
 use crate::num::{count, index};
 
@@ -27,10 +28,6 @@ pub(super) fn layout(mesh: &Mesh<'_>, nodes: u32, kind: Kind) -> Result<Layout, 
     Layout::new(&sections).ok_or(BuildError::TooLarge)
 }
 
-pub(super) fn facts(config: &Config, prims: usize, bounds: Aabb, (stack, steps): (u32, u32)) -> Facts {
-    Facts { kind: config.kind, prims: count(prims), stack, steps, bounds, local: config.local }
-}
-
 impl Plan<'_> {
     /// Writes the blob into the first bytes of `out`; `None`, and nothing written, if `out` is too short.
     pub(super) fn write<'o>(&self, out: &'o mut [u8]) -> Option<&'o [u8]> {
@@ -38,59 +35,65 @@ impl Plan<'_> {
         writer.section(
             Section::Triangles,
             self.primitives().filter_map(|p| match p {
-                Primitive::Triangle(p) => Some(p),
+                (_, Primitive::Triangle(p)) => Some(p),
                 _ => None,
             }),
         );
         writer.section(
             Section::Spheres,
             self.primitives().filter_map(|p| match p {
-                Primitive::Sphere(p) => Some(p),
+                (_, Primitive::Sphere(p)) => Some(p),
                 _ => None,
             }),
         );
         writer.section(
             Section::Boxes,
             self.primitives().filter_map(|p| match p {
-                Primitive::Box(p) => Some(p),
+                (_, Primitive::Box(p)) => Some(p),
                 _ => None,
             }),
         );
         writer.section(
             Section::Cylinders,
             self.primitives().filter_map(|p| match p {
-                Primitive::Cylinder(p) => Some(p),
+                (_, Primitive::Cylinder(p)) => Some(p),
                 _ => None,
             }),
         );
         writer.section(
             Section::Cones,
             self.primitives().filter_map(|p| match p {
-                Primitive::Cone(p) => Some(p),
+                (_, Primitive::Cone(p)) => Some(p),
                 _ => None,
             }),
         );
         let mut next = [0u32; 8];
         writer.section(
             Section::Refs,
-            self.kinds().map(|kind| {
+            self.primitives().map(|(kind, _)| {
                 let at = &mut next[index(kind & 7)];
                 *at += 1;
                 reference(kind, *at - 1)
             }),
         );
-        writer.section(Section::Ids, self.refs.iter().map(|r| r.prim));
-        writer.section(Section::BvhNodes, self.nodes.iter().copied());
+        writer.section(Section::Ids, self.refs().map(|r| r.prim));
+        if let Built::Bvh(tree) = self.built {
+            writer.section(Section::BvhNodes, tree.nodes());
+        }
         Some(writer.finish())
     }
 
-    /// The primitives in slot order; the mesh was checked when the references were filled.
-    fn primitives(&self) -> impl Iterator<Item = Primitive> {
-        self.refs.iter().filter_map(|r: &Ref| Some(self.mesh.get(r.prim, self.facts.local).ok()?.1))
+    /// The references in slot order.
+    fn refs(&self) -> impl Iterator<Item = &Ref> {
+        let (list, tree) = match self.built {
+            Built::List(refs) => (Some(refs), None),
+            Built::Bvh(tree) => (None, Some(tree)),
+        };
+        list.into_iter().flatten().chain(tree.into_iter().flat_map(Tree::refs))
     }
 
-    /// The numbers of their kinds.
-    fn kinds(&self) -> impl Iterator<Item = u32> {
-        self.refs.iter().filter_map(|r: &Ref| Some(self.mesh.get(r.prim, self.facts.local).ok()?.0))
+    /// The primitives in slot order with the numbers of their kinds; the mesh was checked when the references were made.
+    fn primitives(&self) -> impl Iterator<Item = (u32, Primitive)> {
+        self.refs().filter_map(|r| self.mesh.get(r.prim, self.facts.local).ok())
     }
 }

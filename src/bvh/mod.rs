@@ -120,6 +120,16 @@ impl Node {
         Self { planes, child: [Child::NONE; 2], reserved: [0; 2] }
     }
 
+    /// Gives child 0 or 1 another box.
+    #[cfg(feature = "build")]
+    fn set_bounds(&mut self, side: usize, b: &Aabb) {
+        let side = side & 1;
+        let planes = [b.min[0], b.max[0], b.min[1], b.max[1], b.min[2], b.max[2]];
+        for (row, plane) in self.planes.iter_mut().zip(planes) {
+            row[side] = plane;
+        }
+    }
+
     /// The box of child 0 or 1.
     #[must_use]
     pub fn bounds(&self, side: usize) -> Aabb {

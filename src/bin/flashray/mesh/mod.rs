@@ -1,14 +1,13 @@
 //! Mesh files: OBJ, PLY, STL and glTF become one [`Soup`].
 //!
-//! The readers are our own. A release build aborts on a panic, so a reader crate that can panic
-//! (tobj, gltf) cannot be contained by `catch_unwind`; and the crates that do not panic lose
-//! geometry or refuse sound files: each reader's header says which. Here every offset is checked,
-//! no count is trusted before it is compared with the bytes that remain, and every error says
-//! where in the file the fault is.
+//! The crates tobj, ply-rs-bw, `stl_io` and gltf read them. Each reader here does what its crate does not: it brings the
+//! file into a form that the crate does not refuse or lose a part of, calls it under the [`guard`], because hostile
+//! files make some of them panic, and checks what comes back: every coordinate finite, every index in range. Errors say
+//! where in the file the fault is, as far as that is known.
 mod gltf;
+mod guard;
 mod obj;
 mod ply;
-mod sink;
 mod stl;
 mod text;
 
@@ -22,6 +21,9 @@ use std::io::{self, Read};
 use std::path::Path;
 
 use crate::soup::Soup;
+
+/// The greatest number of triangles in one mesh: numbers of primitives have 28 bits.
+const MAX_TRIANGLES: usize = (1 << 28) - 1;
 
 /// Reads the mesh file at `path`, by the reader that its extension asks for.
 ///
@@ -46,10 +48,22 @@ fn load(path: &Path) -> Result<Soup, String> {
         return Err(format!("the content is {found}, but the name ends in {ending}"));
     }
     let soup = parse(format, &bytes, path.parent().unwrap_or(Path::new("")))?;
-    if soup.triangles.is_empty() {
-        return Err("no triangles".into());
+    match soup.triangles.len() {
+        0 => Err("no triangles".into()),
+        1..=MAX_TRIANGLES => Ok(soup),
+        _ => Err(too_many()),
     }
-    Ok(soup)
+}
+
+/// The error of a mesh with too many triangles.
+fn too_many() -> String {
+    format!("more than {MAX_TRIANGLES} triangles, the most a mesh may have")
+}
+
+/// The triangles of a polygon, as a fan from its first corner.
+fn fan(corners: &[u32]) -> impl Iterator<Item = [u32; 3]> {
+    let (first, rest) = corners.split_first().map_or((0, corners), |(first, rest)| (*first, rest));
+    rest.array_windows().map(move |&[b, c]| [first, b, c])
 }
 
 /// Reads `bytes` as `format`; `folder` is where a glTF file looks for its buffers.

@@ -1,114 +1,95 @@
-//! Wavefront OBJ: positions and polygons.
+//! Wavefront OBJ: positions and polygons, read by tobj.
 //!
-//! Our own reader rather than tobj, because tobj multiplies unchecked indices of texture
-//! coordinates and normals (it panics with overflow checks on, and may read wrong data without),
-//! does not join continued lines, renumbers vertices, and gives no line numbers in its errors. Only
-//! `v` and `f` statements matter here; points, lines, curves and attributes are skipped.
-use super::sink::{Fan, Sink};
+//! tobj gets the `v` and `f` statements only, in plain form: continued lines joined, comments cut, the `/vt/vn` parts of
+//! corners and all after the three coordinates of a vertex left out. tobj refuses the first two, panics on some of the
+//! third, and divides by a weight. Without objects and materials it makes one mesh, in the order of the file, and faces
+//! may use vertices that come later. As its errors have no line numbers, numbers are checked here on the way.
+use super::guard::guarded;
 use super::text::{self, Lines};
 use crate::soup::Soup;
 
 /// Reads the text of an OBJ file.
 pub fn read(data: &[u8]) -> Result<Soup, String> {
-    let mut reader = Reader { sink: Sink::new(), forward: Vec::new() };
-    let mut lines = Lines::new(text::without_mark(data), 1);
-    let mut joined = Vec::new();
-    while let Some((number, line)) = lines.next() {
-        let line = join(line, &mut lines, &mut joined);
-        reader.statement(number, line).map_err(|why| format!("line {number}: {why}"))?;
+    let plain = plain(text::without_mark(data))?;
+    let options = tobj::LoadOptions { triangulate: true, ..tobj::LoadOptions::default() };
+    let no_materials = |_: &std::path::Path| Ok(Default::default());
+    let (models, _) = guarded(|| tobj::load_obj_buf(&mut plain.as_slice(), &options, no_materials))?;
+    let mut soup = Soup::default();
+    for tobj::Model { mesh, .. } in models {
+        let base = u32::try_from(soup.positions.len()).map_err(|_| "too many vertices")?;
+        let (corners, _) = mesh.indices.as_chunks();
+        soup.triangles.extend(corners.iter().map(|corners| corners.map(|index| base + index)));
+        soup.positions.extend(mesh.positions.as_chunks().0);
     }
-    reader.finish()
+    Ok(soup)
 }
 
-/// `line` with the lines that continue it, assembled in `joined` if there are any.
-///
-/// Only in the statements this reader looks at, and not in comments: a material or a path that ends
-/// in a backslash must not swallow the face after it.
-fn join<'a>(line: &'a [u8], lines: &mut Lines, joined: &'a mut Vec<u8>) -> &'a [u8] {
-    let (Some(mut part), Some(b"v" | b"f" | b"fo")) = (continued(line), text::words(line).next()) else {
-        return line;
-    };
-    joined.clear();
-    loop {
-        joined.extend_from_slice(part);
-        joined.push(b' ');
-        let Some((_, line)) = lines.next() else { break };
-        let Some(more) = continued(line) else {
-            joined.extend_from_slice(line);
-            break;
-        };
-        part = more;
-    }
-    joined
-}
-
-/// The part before the backslash of a line that the next line continues.
-fn continued(line: &[u8]) -> Option<&[u8]> {
-    let part = line.trim_ascii_end().strip_suffix(b"\\")?;
-    (!part.contains(&b'#')).then_some(part)
-}
-
-/// The state between lines.
-struct Reader {
-    sink: Sink,
-    /// Indices of vertices that were not there yet, with their lines: each one larger than all
-    /// before it. The first that is still too large at the end is the first fault of the file.
-    forward: Vec<(u64, i64)>,
-}
-
-impl Reader {
-    /// Takes in one statement.
-    fn statement(&mut self, number: u64, line: &[u8]) -> Result<(), String> {
-        let line = line.split(|byte| *byte == b'#').next().unwrap_or_default();
-        let mut words = text::words(line);
-        match words.next() {
-            // What follows the three coordinates is a weight or a colour.
-            Some(b"v") => self.sink.vertex(text::point(words)?).map(drop),
+/// The vertices and faces of `data` in plain form.
+fn plain(data: &[u8]) -> Result<Vec<u8>, String> {
+    let is_vertex = |(_, words): &(u64, Vec<&[u8]>)| words.first() == Some(&b"v".as_slice());
+    let count = Statements(Lines::new(data)).filter(is_vertex).count();
+    let vertices = u32::try_from(count).map_err(|_| format!("{count} vertices are too many"))?;
+    let (mut plain, mut seen) = (Vec::new(), 0);
+    for (number, words) in Statements(Lines::new(data)) {
+        let (name, kept) = match words.as_slice() {
+            [b"v", values @ ..] => {
+                seen += 1;
+                (b'v', text::point(values.iter().copied()).map(|_| values.iter().copied().take(3).collect()))
+            }
             // `fo` is how old files spell `f`.
-            Some(b"f" | b"fo") => {
-                let mut fan = Fan::default();
-                for word in words {
-                    let index = self.index(number, word)?;
-                    fan.corner(index, &mut self.sink)?;
-                }
-                fan.finish()
-            }
-            _ => Ok(()),
-        }
+            [b"f" | b"fo", corners @ ..] => (b'f', face(corners, seen, vertices.into())),
+            _ => continue,
+        };
+        let kept: Vec<&[u8]> = kept.map_err(|why| format!("line {number}: {why}"))?;
+        plain.push(name);
+        plain.extend(kept.into_iter().flat_map(|word| b" ".iter().chain(word)));
+        plain.push(b'\n');
     }
+    Ok(plain)
+}
 
-    /// The vertex that a corner such as `7`, `-1`, `7/2` or `7//3` names, counted from 0.
-    fn index(&mut self, number: u64, word: &[u8]) -> Result<u32, String> {
-        let word = word.split(|byte| *byte == b'/').next().unwrap_or_default();
-        let index = text::whole(word, "a vertex index")?;
-        let seen = i64::try_from(self.sink.vertices()).unwrap_or(i64::MAX);
-        if index == 0 {
-            return Err("vertex index 0 is out of range (indices start at 1)".into());
-        }
-        if index < 0 {
+/// The vertex indices in `corners`, which are spelled like `7`, `-1`, `7/2` or `7//3`.
+fn face<'a>(corners: &[&'a [u8]], seen: i64, vertices: i64) -> Result<Vec<&'a [u8]>, String> {
+    let index = |corner: &&'a [u8]| {
+        let word = corner.split(|byte| *byte == b'/').next().unwrap_or_default();
+        match text::whole(word, "a vertex index")? {
+            0 => Err("vertex index 0 is out of range (indices start at 1)".into()),
+            index if index > vertices => {
+                Err(format!("vertex index {index} is out of range (the file has {vertices} vertices)"))
+            }
             // Relative to the vertices read so far: -1 is the last of them.
-            return seen
-                .checked_add(index)
-                .and_then(|index| u32::try_from(index).ok())
-                .ok_or_else(|| format!("vertex index {index} is out of range ({seen} vertices so far)"));
+            index if index < -seen => Err(format!("vertex index {index} is out of range ({seen} vertices so far)")),
+            _ => Ok(word),
         }
-        if index > seen && self.forward.last().is_none_or(|(_, largest)| index > *largest) {
-            self.forward.push((number, index));
-        }
-        // One that does not fit in 32 bits is in `forward`, and too large at the end.
-        Ok(u32::try_from(index - 1).unwrap_or(u32::MAX))
+    };
+    let corners: Vec<&[u8]> = corners.iter().map(index).collect::<Result<_, String>>()?;
+    if corners.len() < 3 {
+        return Err(format!("a face needs at least 3 corners, this one has {}", corners.len()));
     }
+    Ok(corners)
+}
 
-    /// The mesh, if every vertex that a face names has come.
-    fn finish(self) -> Result<Soup, String> {
-        let vertices = self.sink.vertices();
-        let is_missing = |index: i64| usize::try_from(index).map_or(true, |index| index > vertices);
-        match self.forward.iter().find(|(_, index)| is_missing(*index)) {
-            None => Ok(self.sink.finish()),
-            Some((number, index)) => {
-                Err(format!("line {number}: vertex index {index} is out of range (the file has {vertices} vertices)"))
+/// The words of each statement, with the number of its first line.
+struct Statements<'a>(Lines<'a>);
+
+impl<'a> Iterator for Statements<'a> {
+    type Item = (u64, Vec<&'a [u8]>);
+
+    fn next(&mut self) -> Option<Self::Item> {
+        let (number, mut line) = self.0.next()?;
+        let mut words = Vec::new();
+        loop {
+            // A comment that ends in a backslash goes on no more than the name of a material does.
+            let part = line.trim_ascii_end().strip_suffix(b"\\").filter(|part| !part.contains(&b'#'));
+            let text = part.unwrap_or(line).split(|byte| *byte == b'#').next().unwrap_or_default();
+            words.extend(text::words(text));
+            if part.is_none() || !matches!(words.first(), Some(&(b"v" | b"f" | b"fo"))) {
+                break;
             }
+            let Some((_, next)) = self.0.next() else { break };
+            line = next;
         }
+        Some((number, words))
     }
 }
 
@@ -119,9 +100,24 @@ mod tests {
 
     const SQUARE: &str = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n";
 
-    /// The triangles of a square with the lines `rest` after it.
+    /// The corners of all triangles of `text`, as positions: tobj numbers the vertices by their first use.
+    fn corners(text: &str) -> Vec<[[f32; 3]; 3]> {
+        let Soup { positions, triangles, .. } = read(text.as_bytes()).unwrap();
+        triangles.iter().map(|corners| corners.map(|index| positions[index as usize])).collect()
+    }
+
+    /// The triangles of a square with the lines `rest` after it, as numbers of vertices in the file: later vertices
+    /// must have theirs as z.
     fn triangles(rest: &str) -> Vec<[u32; 3]> {
-        read(format!("{SQUARE}{rest}").as_bytes()).unwrap().triangles
+        let number = |position: [f32; 3]| match position {
+            [0.0, 0.0, 0.0] => 0,
+            [1.0, 0.0, 0.0] => 1,
+            [1.0, 1.0, 0.0] => 2,
+            [0.0, 1.0, 0.0] => 3,
+            [_, _, z] => z as u32,
+        };
+        let found = corners(&format!("{SQUARE}{rest}"));
+        found.iter().map(|corners| corners.map(number)).collect()
     }
 
     /// The error of `text`.
@@ -139,8 +135,8 @@ mod tests {
     fn corners_of_every_spelling() {
         let faces = "f 1/1 2/2 3/3\nf 1//9 2//9 3//9\nf 1/2/3 2/2/3 +3/99999999999999999999/1\n";
         assert_eq!(triangles(faces), [[0, 1, 2]; 3]);
-        assert_eq!(triangles("f -4 -3 -2\nv 9 9 9\nf -4 -3 -1\n"), [[0, 1, 2], [1, 2, 4]]);
-        assert_eq!(triangles("f 1 1 1\nf 5 6 7\nv 1 1 1\nv 1 1 1\nv 2 2 2\n"), [[0, 0, 0], [4, 5, 6]]);
+        assert_eq!(triangles("f -4 -3 -2\nv 9 9 4\nf -4 -3 -1\n"), [[0, 1, 2], [1, 2, 4]]);
+        assert_eq!(triangles("f 1 1 1\nf 5 6 7\nv 1 1 4\nv 1 1 5\nv 2 2 6\n"), [[0, 0, 0], [4, 5, 6]]);
     }
 
     #[test]

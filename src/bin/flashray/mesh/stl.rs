@@ -1,26 +1,31 @@
-//! STL, binary and text.
+//! STL, binary and text, read by `stl_io`.
 //!
-//! Our own reader rather than `stl_io`, because `stl_io` takes a binary file that begins with
-//! "solid " for text, stops at the first `endsolid` of a file with several solids, refuses `solid`
-//! without a name and normals that are not numbers, and gives no line numbers in its errors.
+//! Its own choice between the two forms would take a binary file that starts with "solid " for text, so the choice is
+//! made here. And it stops at the first `endsolid`, is particular about the words after `solid`, about upper case and
+//! about normals that are not numbers, so the text form becomes one plain solid with normals of zeros first.
 //!
 //! Corners with the same bits become one vertex. Normals are skipped.
 use std::collections::HashMap;
+use std::io::{self, Cursor};
 
-use super::sink::Sink;
+use super::guard::guarded;
 use super::text::{self, Lines};
 use crate::soup::Soup;
 
 /// Bytes before the first triangle of a binary file: a comment, then the number of triangles.
 const HEADER: usize = 84;
-/// Bytes of a triangle in a binary file: a normal, three corners, two bytes of attributes.
+/// Bytes of a triangle in a binary file.
 const RECORD: usize = 50;
-/// Where the first corner starts in a triangle's bytes.
-const CORNERS: usize = 12;
 
 /// Reads the bytes of an STL file.
 pub fn read(data: &[u8]) -> Result<Soup, String> {
-    if is_text(data) && !has_exact_length(data) { read_text(data) } else { read_binary(data) }
+    let is_text = is_text(data) && !has_exact_length(data);
+    let plain = if is_text { plain_text(data)? } else { plain_binary(data)? };
+    guarded(|| {
+        let mut source = Cursor::new(plain);
+        let triangles = stl_io::create_stl_reader(&mut source).map_err(|error| error.to_string())?;
+        weld(triangles)
+    })
 }
 
 /// True if `data` is as long as its number of triangles asks for: then it is a binary STL file,
@@ -49,125 +54,68 @@ fn binary_length(count: u32) -> Option<u64> {
     u64::try_from(RECORD).ok()?.checked_mul(u64::from(count))?.checked_add(u64::try_from(HEADER).ok()?)
 }
 
-/// Vertices by their bits.
-struct Weld {
-    sink: Sink,
-    known: HashMap<[u32; 3], u32>,
-}
-
-impl Weld {
-    /// No vertices yet.
-    fn new() -> Self {
-        Self { sink: Sink::new(), known: HashMap::new() }
-    }
-
-    /// The index of the vertex at `position`.
-    fn vertex(&mut self, position: [f32; 3]) -> Result<u32, String> {
-        let bits = position.map(f32::to_bits);
-        if let Some(index) = self.known.get(&bits) {
-            return Ok(*index);
+/// The mesh of `triangles`; corners with the same bits become one vertex.
+fn weld(triangles: impl Iterator<Item = io::Result<stl_io::Triangle>>) -> Result<Soup, String> {
+    let mut soup = Soup::default();
+    let mut known = HashMap::new();
+    for (number, triangle) in triangles.enumerate() {
+        let triangle = triangle.map_err(|why| format!("triangle {number}: {why}"))?;
+        let mut corners = [0; 3];
+        for (slot, corner) in corners.iter_mut().zip(triangle.vertices) {
+            if corner.0.iter().any(|value| !value.is_finite()) {
+                return Err(format!("triangle {number}: a corner is not finite"));
+            }
+            let next = u32::try_from(soup.positions.len()).map_err(|_| "too many vertices")?;
+            *slot = *known.entry(corner.0.map(f32::to_bits)).or_insert(next);
+            if *slot == next {
+                soup.positions.push(corner.0);
+            }
         }
-        let index = self.sink.vertex(position)?;
-        self.known.insert(bits, index);
-        Ok(index)
+        soup.triangles.push(corners);
     }
-
-    /// Adds the triangle with these corners.
-    fn triangle(&mut self, corners: [[f32; 3]; 3]) -> Result<(), String> {
-        let [a, b, c] = corners;
-        let corners = [self.vertex(a)?, self.vertex(b)?, self.vertex(c)?];
-        self.sink.triangle(corners)
-    }
+    Ok(soup)
 }
 
-/// Reads the binary form.
-fn read_binary(data: &[u8]) -> Result<Soup, String> {
+/// A binary file of sound length, with a comment that does not look like text.
+fn plain_binary(data: &[u8]) -> Result<Vec<u8>, String> {
     let have = data.len();
     let Some(count) = count(data) else {
         return Err(format!(
-            "not an STL file: it does not start with \"solid\", and has {have} bytes where the \
-             binary form needs at least {HEADER}"
+            "not an STL file: it does not start with \"solid\", and has {have} bytes where the binary form needs at \
+             least {HEADER}"
         ));
     };
-    let length = binary_length(count).ok_or("the number of triangles is too large")?;
-    if u64::try_from(have).is_ok_and(|have| have < length) {
-        return Err(format!("byte 80: {count} triangles need {length} bytes, the file has {have}"));
+    // More bytes than that are padding.
+    if let Some(needed) = binary_length(count).filter(|needed| u64::try_from(have).is_ok_and(|have| have < *needed)) {
+        return Err(format!("byte 80: {count} triangles need {needed} bytes, the file has {have}"));
     }
-    let mut weld = Weld::new();
-    // The length was checked above; what follows the last triangle is padding.
-    let take = usize::try_from(count).map_err(|_| "the file is too large")?;
-    let records = data.get(HEADER..).unwrap_or_default().chunks_exact(RECORD).take(take);
-    for (number, record) in records.enumerate() {
-        corners(record)
-            .and_then(|corners| weld.triangle(corners))
-            .map_err(|why| format!("triangle {number} (byte {}): {why}", HEADER + number * RECORD))?;
-    }
-    Ok(weld.sink.finish())
+    let mut plain = data.to_vec();
+    plain.iter_mut().take(1).for_each(|byte| *byte = b'\n');
+    Ok(plain)
 }
 
-/// The corners in a triangle's bytes.
-fn corners(record: &[u8]) -> Result<[[f32; 3]; 3], String> {
-    let mut corners = [[0.0; 3]; 3];
-    let (values, _) = record.get(CORNERS..).unwrap_or_default().as_chunks();
-    for (slot, bytes) in corners.as_flattened_mut().iter_mut().zip(values) {
-        *slot = f32::from_le_bytes(*bytes);
-    }
-    match corners.iter().position(|corner| corner.iter().any(|value| !value.is_finite())) {
-        Some(corner) => Err(format!("corner {corner} is not finite")),
-        None => Ok(corners),
-    }
-}
-
-/// Reads the text form.
-fn read_text(data: &[u8]) -> Result<Soup, String> {
-    let mut reader = TextReader { weld: Weld::new(), in_solid: false, facet: None };
-    let mut lines = Lines::new(text::without_mark(data), 1);
+/// A text file with all its facets in one solid.
+fn plain_text(data: &[u8]) -> Result<Vec<u8>, String> {
+    let mut plain = b"solid all\n".to_vec();
+    let mut is_open = false;
+    let mut lines = Lines::new(text::without_mark(data));
     for (number, line) in lines.by_ref() {
-        reader.line(line).map_err(|why| format!("line {number}: {why}"))?;
-    }
-    if reader.in_solid {
-        let inside = if reader.facet.is_some() { "inside a facet" } else { "without endsolid" };
-        return Err(format!("line {}: the file ends {inside}", lines.number() - 1));
-    }
-    Ok(reader.weld.sink.finish())
-}
-
-/// The state between lines of the text form.
-struct TextReader {
-    weld: Weld,
-    in_solid: bool,
-    /// The corners so far of the facet being read.
-    facet: Option<Vec<[f32; 3]>>,
-}
-
-impl TextReader {
-    /// Takes in one line.
-    fn line(&mut self, line: &[u8]) -> Result<(), String> {
-        let mut words = text::words(line);
-        let Some(first) = words.next() else {
-            return Ok(());
-        };
-        match (first.to_ascii_lowercase().as_slice(), &mut self.facet) {
-            // The rest of these lines is a name or a normal.
-            (b"solid", None) if !self.in_solid => self.in_solid = true,
-            (b"endsolid", None) if self.in_solid => self.in_solid = false,
-            (b"facet", facet @ None) if self.in_solid => *facet = Some(Vec::new()),
-            (b"outer" | b"endloop", Some(_)) => {}
-            (b"vertex", Some(corners)) if corners.len() < 3 => corners.push(text::point(words)?),
-            (b"vertex", Some(_)) => return Err("a facet has 3 corners, this is a fourth".into()),
-            (b"endfacet", Some(_)) => return self.end_facet(),
-            _ => return Err(format!("{} does not belong here", text::quote(first))),
+        let line = line.to_ascii_lowercase();
+        match text::words(&line).next() {
+            None => {}
+            Some(b"solid") if !is_open => is_open = true,
+            Some(b"endsolid") if is_open => is_open = false,
+            Some(b"facet") if is_open => plain.extend(b"facet normal 0 0 0"),
+            Some(_) if is_open => plain.extend(&line),
+            Some(word) => return Err(format!("line {number}: {} is outside of a solid", text::quote(word))),
         }
-        Ok(())
+        plain.push(b'\n');
     }
-
-    /// Adds the triangle of the facet that ends.
-    fn end_facet(&mut self) -> Result<(), String> {
-        let corners = self.facet.take().unwrap_or_default();
-        let corners = <[_; 3]>::try_from(corners)
-            .map_err(|corners| format!("a facet has 3 corners, this one has {}", corners.len()))?;
-        self.weld.triangle(corners)
+    if is_open {
+        return Err(format!("line {}: the file ends without endsolid", lines.number() - 1));
     }
+    plain.extend(b"endsolid\n");
+    Ok(plain)
 }
 
 #[cfg(test)]
@@ -233,7 +181,7 @@ mod tests {
         for bad in [f32::NAN, f32::INFINITY] {
             let mut broken = PAIR;
             broken[1][2][1] = bad;
-            assert_eq!(error(&binary(b"", &broken)), "triangle 1 (byte 134): corner 2 is not finite");
+            assert_eq!(error(&binary(b"", &broken)), "triangle 1: a corner is not finite");
         }
         assert!(read(&binary(b"", &[])).unwrap().triangles.is_empty());
     }
@@ -241,15 +189,19 @@ mod tests {
     #[test]
     fn text_faults() {
         let error = |text: &str| read(text.as_bytes()).unwrap_err();
-        assert_eq!(error(&TEXT[..60]), "line 5: a vertex needs 3 coordinates, this line has 0");
         assert_eq!(error(&TEXT[..TEXT.len() - 14]), "line 15: the file ends without endsolid");
-        assert_eq!(error("solid\nfacet"), "line 2: the file ends inside a facet");
-        assert_eq!(error("solid\nfacet\nendfacet"), "line 3: a facet has 3 corners, this one has 0");
-        assert_eq!(error("solid\n\nvertex 0 0 0"), "line 3: \"vertex\" does not belong here");
-        assert_eq!(error("solid\nfacet\nvertex 0 inf 0"), "line 3: \"inf\" is not a finite f32");
-        assert!(error("solid\nfacet\nvertex 0 1e999 0").contains("\"1e999\" is not a finite f32"));
-        let four = "solid\nfacet\nvertex 0 0 0\nvertex 0 0 0\nvertex 0 0 0\nvertex 0 0 0";
-        assert_eq!(error(four), "line 6: a facet has 3 corners, this is a fourth");
+        assert_eq!(error(&TEXT[..60]), "line 5: the file ends without endsolid");
+        let inside = |lines: &str| error(&format!("solid\n{lines}\nendsolid"));
+        assert_eq!(inside("facet"), "triangle 0: expected [\"outer\", \"loop\"], got [\"endsolid\"]");
+        assert_eq!(inside("facet\nendfacet"), "triangle 0: expected [\"outer\", \"loop\"], got [\"endfacet\"]");
+        assert_eq!(inside("vertex 0 0 0"), "triangle 0: invalid facet header: [\"vertex\", \"0\", \"0\", \"0\"]");
+        assert_eq!(error("\nsolid\nendsolid\nfacet"), "line 4: \"facet\" is outside of a solid");
+        for (bad, why) in [("inf", "finite"), ("nan", "finite"), ("1e999", "finite"), ("x", "invalid float")] {
+            let message = error(&TEXT.replace("+1.", bad));
+            assert!(message.starts_with("triangle 1: ") && message.contains(why), "{message}");
+        }
+        let four = TEXT.replacen("vertex 0 1 0\n", "vertex 0 1 0\nvertex 0 1 0\n", 1);
+        assert!(error(&four).starts_with("triangle 0: expected [\"endloop\"]"));
         assert!(read(b"solid x\nendsolid x").unwrap().triangles.is_empty());
     }
 

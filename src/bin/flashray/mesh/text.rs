@@ -2,14 +2,15 @@
 
 /// The lines of a text with their numbers from 1; a line ends with LF, CR LF or CR.
 pub struct Lines<'a> {
-    rest: &'a [u8],
+    /// What follows the lines read so far.
+    pub rest: &'a [u8],
     next: u64,
 }
 
 impl<'a> Lines<'a> {
-    /// The lines of `text`, the first of which has the number `first`.
-    pub const fn new(text: &'a [u8], first: u64) -> Self {
-        Self { rest: text, next: first }
+    /// The lines of `text`.
+    pub const fn new(text: &'a [u8]) -> Self {
+        Self { rest: text, next: 1 }
     }
 
     /// The number of the line that comes next.
@@ -87,11 +88,11 @@ mod tests {
 
     #[test]
     fn every_line_end_counts_once() {
-        let lines: Vec<_> = Lines::new(b"a\r\nb\rc\n\nd", 5).collect();
-        let expected: [(u64, &[u8]); 5] = [(5, b"a"), (6, b"b"), (7, b"c"), (8, b""), (9, b"d")];
+        let lines: Vec<_> = Lines::new(b"a\r\nb\rc\n\nd").collect();
+        let expected: [(u64, &[u8]); 5] = [(1, b"a"), (2, b"b"), (3, b"c"), (4, b""), (5, b"d")];
         assert_eq!(lines, expected);
-        assert_eq!(Lines::new(b"\r\n", 1).count(), 1);
-        assert_eq!(Lines::new(b"", 1).count(), 0);
+        assert_eq!(Lines::new(b"\r\n").count(), 1);
+        assert_eq!(Lines::new(b"").count(), 0);
     }
 
     #[test]

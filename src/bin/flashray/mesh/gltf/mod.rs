@@ -1,169 +1,170 @@
-//! glTF 2.0 and its binary form GLB: the triangles of a scene with the transforms of its nodes.
+//! glTF 2.0 and its binary form GLB: the triangles of a scene with the transforms of its nodes, read by the crate gltf.
 //!
-//! Our own reader over `serde_json` rather than the crate gltf, because that crate panics on
-//! hostile files, in its validation too, and a release build cannot contain a panic. Every range is
-//! computed in checked 64-bit arithmetic and compared with the bytes that are there.
+//! The crate reads the JSON, the chunks of GLB and the elements of accessors. It panics on indices and sizes that make
+//! no sense, so its own validation comes first, all under the guard, and what it would misread without a panic is
+//! checked here. The bytes of buffers, the transforms in `f64` and the triangles of strips and fans are ours too.
 //!
-//! Materials, skins, morph targets and animations are skipped: a mesh is read as its vertices are
-//! stored. Points and lines are skipped. A fan of triangles starts each of them at its first
-//! corner, as the polygons of the other formats do.
-mod accessor;
+//! Materials, skins, morph targets and animations are skipped: a mesh is read as its vertices are stored. Points and
+//! lines are skipped. A fan of triangles starts each of them at its first corner, as the polygons of the other formats
+//! do.
 mod buffer;
-mod glb;
-mod json;
 mod primitive;
 mod transform;
 
 use std::collections::HashSet;
 use std::path::Path;
 
-use serde_json::Value;
+use gltf::json::validation::{Error as Fault, Validate};
+use gltf::json::{self, Root};
+use gltf::{Document, Gltf, Mesh, Node};
 
-use super::sink::Sink;
-use super::text;
+use super::guard::guarded;
+use super::text::{self, quote};
+use super::{MAX_TRIANGLES, too_many};
 use crate::soup::Soup;
-use buffer::Buffers;
 use transform::Transform;
 
 /// Reads a `.gltf` file; its buffers are in it, or in files in `folder`.
 pub fn read(data: &[u8], folder: &Path) -> Result<Soup, String> {
-    document(text::without_mark(data), None, folder, data.len())
-}
-
-/// Reads a `.glb` file.
-pub fn read_binary(data: &[u8], folder: &Path) -> Result<Soup, String> {
-    let (json, chunk) = glb::split(data)?;
-    document(json, chunk, folder, data.len())
-}
-
-/// Reads the JSON of either form; `size` is the length of the file.
-fn document(json: &[u8], chunk: Option<&[u8]>, folder: &Path, size: usize) -> Result<Soup, String> {
-    let root: Value = serde_json::from_slice(json).map_err(|error| format!("JSON: {error}"))?;
-    check_version(&root)?;
-    check_extensions(&root)?;
-    let buffers = Buffers::new(&root, chunk, folder)?;
-    let mut reader = Reader { root: &root, buffers, size, sink: Sink::new(), recent: None };
-    reader.scene()?;
-    Ok(reader.sink.finish())
-}
-
-/// Refuses other versions: version 1 has another structure.
-fn check_version(root: &Value) -> Result<(), String> {
-    let version = root.get("asset").and_then(|asset| asset.get("version")).and_then(Value::as_str);
-    match version {
-        Some(version) if version == "2" || version.starts_with("2.") => Ok(()),
-        Some(version) => Err(format!("glTF version {} is not 2.0", text::quote(version.as_bytes()))),
-        None => Err("not a glTF file: the JSON has no asset.version".into()),
-    }
-}
-
-/// Refuses files that cannot be understood without an extension that changes the geometry.
-fn check_extensions(root: &Value) -> Result<(), String> {
-    for name in json::list(root, "extensionsRequired")? {
-        let name = name.as_str().ok_or("extensionsRequired holds something else than names")?;
-        // Those of materials, textures and lights leave the geometry alone.
-        let looks = ["KHR_materials_", "KHR_texture_", "EXT_texture_", "MSFT_texture_", "KHR_lights_"];
-        if name == "KHR_mesh_quantization" || looks.iter().any(|start| name.starts_with(start)) {
-            continue;
+    guarded(|| {
+        let Gltf { document, blob } =
+            Gltf::from_slice_without_validation(text::without_mark(data)).map_err(|error| match error {
+                gltf::Error::Deserialize(error) => format!("JSON: {error}"),
+                error => error.to_string(),
+            })?;
+        check_root(document.as_json())?;
+        let buffers = buffer::load(&document, blob, folder)?;
+        let instances = instances(&document)?;
+        check_size(&document, &instances)?;
+        let mut soup = Soup::default();
+        for instance in &instances {
+            instance.read(&buffers, &mut soup)?;
         }
-        let name = text::quote(name.as_bytes());
+        Ok::<_, String>(soup)
+    })
+}
+
+/// Reads a `.glb` file; its buffers are in it, or in files in `folder`.
+pub fn read_binary(data: &[u8], folder: &Path) -> Result<Soup, String> {
+    if !data.starts_with(b"glTF") {
+        return Err("not a binary glTF file: it does not start with \"glTF\"".into());
+    }
+    // Bytes after the stated length do not belong to the model, but the crate takes them for a chunk.
+    let stated = data.get(8..12).and_then(<[u8]>::first_chunk).copied().map(u32::from_le_bytes);
+    let model = stated.and_then(|length| data.get(..usize::try_from(length).ok()?));
+    read(model.unwrap_or(data), folder)
+}
+
+/// Refuses versions and required extensions that are not known, and what the crate finds wrong.
+fn check_root(root: &Root) -> Result<(), String> {
+    let version = &root.asset.version;
+    if version != "2" && !version.starts_with("2.") {
+        return Err(format!("glTF version {} is not 2.0", quote(version.as_bytes())));
+    }
+    // The extensions of materials, textures and lights leave the geometry alone.
+    let looks = ["KHR_materials_", "KHR_texture_", "EXT_texture_", "MSFT_texture_", "KHR_lights_"];
+    let is_known = |name: &str| name == "KHR_mesh_quantization" || looks.iter().any(|start| name.starts_with(start));
+    if let Some(name) = root.extensions_required.iter().find(|name| !is_known(name)) {
         let packed = name.contains("draco") || name.contains("meshopt");
         let advice = if packed { "; save the model without compression" } else { "" };
-        return Err(format!("requires the extension {name}, which is not supported{advice}"));
+        return Err(format!("requires the extension {}, which is not supported{advice}", quote(name.as_bytes())));
     }
-    Ok(())
-}
-
-/// The state while the scene is walked.
-struct Reader<'a> {
-    root: &'a Value,
-    buffers: Buffers<'a>,
-    /// The length of the file: no accessor without bytes of its own may have more elements.
-    size: usize,
-    sink: Sink,
-    /// The positions read last, with their accessor: primitives often share them.
-    recent: Option<(usize, Vec<[f64; 3]>)>,
-}
-
-impl Reader<'_> {
-    /// Reads all nodes of the scene, each before its children.
-    fn scene(&mut self) -> Result<(), String> {
-        if json::list(self.root, "nodes")?.is_empty() {
-            let meshes = json::list(self.root, "meshes")?.len();
-            return (0..meshes).try_for_each(|mesh| self.mesh(mesh, &Transform::IDENTITY));
-        }
-        let mut seen = HashSet::new();
-        let mut waiting = Vec::new();
-        for root in self.roots()? {
-            if seen.insert(root) {
-                waiting.push((root, Transform::IDENTITY));
+    let mut first = None;
+    let outcome = guarded(|| {
+        root.validate(root, json::Path::new, &mut |path: &dyn Fn() -> json::Path, fault: Fault| {
+            if first.is_none() {
+                first = Some(format!("{}: {fault}", path())).filter(|fault| matters(fault));
             }
-        }
-        waiting.reverse();
-        // A stack of our own: a deep chain of nodes must not end the call stack.
-        while let Some((index, parent)) = waiting.pop() {
-            let node = json::item(self.root, "nodes", index)?;
-            let children = self.node(index, node, &parent, &mut seen)?;
-            waiting.extend(children.into_iter().rev());
+        });
+        Ok::<_, String>(())
+    });
+    // After some faults the validation itself panics: the fault says more.
+    first.map_or(outcome, Err)
+}
+
+/// True for a fault of the geometry; but many writers leave out the bounds of positions, which nobody needs, and the
+/// crate does not know attributes of names that start with `_`.
+fn matters(fault: &str) -> bool {
+    let parts = ["accessors", "bufferViews", "buffers", "meshes", "nodes", "scene"];
+    let spared = [".min: ", ".max: ", "<invalid semantic name>"];
+    parts.iter().any(|part| fault.starts_with(part)) && !spared.iter().any(|part| fault.contains(part))
+}
+
+/// A mesh in the scene.
+struct Instance<'a> {
+    /// The node that it belongs to; none if the file has no nodes.
+    node: Option<usize>,
+    mesh: Mesh<'a>,
+    world: Transform,
+}
+
+impl Instance<'_> {
+    /// Adds the triangles of the mesh to `soup`.
+    fn read(&self, buffers: &[Vec<u8>], soup: &mut Soup) -> Result<(), String> {
+        for (number, primitive) in self.mesh.primitives().enumerate() {
+            guarded(|| primitive::read(&primitive, &self.world, buffers, soup)).map_err(|why| {
+                let node = self.node.map(|node| format!("node {node}: ")).unwrap_or_default();
+                format!("{node}mesh {}, primitive {number}: {why}", self.mesh.index())
+            })?;
         }
         Ok(())
     }
+}
 
-    /// The nodes to start from: those of the default scene, or of all scenes if none is the
-    /// default, or all that are no other node's child if there are no scenes.
-    fn roots(&self) -> Result<Vec<usize>, String> {
-        if let Some(scene) = json::index(self.root, "scene")? {
-            return json::indices(json::item(self.root, "scenes", scene)?, "nodes");
-        }
-        let scenes = json::list(self.root, "scenes")?;
-        let mut found = Vec::new();
-        for scene in scenes {
-            found.extend(json::indices(scene, "nodes")?);
-        }
-        if scenes.is_empty() {
-            let nodes = json::list(self.root, "nodes")?;
-            let mut children = HashSet::new();
-            for node in nodes {
-                children.extend(json::indices(node, "children")?);
-            }
-            found.extend((0..nodes.len()).filter(|node| !children.contains(node)));
-        }
-        Ok(found)
+/// Refuses a scene with too many triangles before any of them is made: a small file may repeat a mesh very often.
+fn check_size(document: &Document, instances: &[Instance]) -> Result<(), String> {
+    let sizes: Vec<usize> = document
+        .meshes()
+        .map(|mesh| mesh.primitives().map(|primitive| primitive::size(&primitive)).fold(0, usize::saturating_add))
+        .collect();
+    let all = instances.iter().filter_map(|instance| sizes.get(instance.mesh.index()).copied());
+    if all.fold(0, usize::saturating_add) > MAX_TRIANGLES { Err(too_many()) } else { Ok(()) }
+}
+
+/// All meshes of the scene, that of each node before those of its children.
+fn instances(document: &Document) -> Result<Vec<Instance<'_>>, String> {
+    if document.nodes().len() == 0 {
+        let alone = |mesh| Instance { node: None, mesh, world: Transform::IDENTITY };
+        return Ok(document.meshes().map(alone).collect());
     }
-
-    /// Reads the mesh of a node, and returns its children with their transform.
-    fn node(
-        &mut self,
-        index: usize,
-        node: &Value,
-        parent: &Transform,
-        seen: &mut HashSet<usize>,
-    ) -> Result<Vec<(usize, Transform)>, String> {
-        let named = |why| format!("node {index}: {why}");
-        let world = parent.of_child(&Transform::of_node(node).map_err(named)?);
-        if let Some(mesh) = json::index(node, "mesh").map_err(named)? {
-            self.mesh(mesh, &world).map_err(named)?;
-        }
+    let mut seen = HashSet::new();
+    let mut waiting: Vec<_> = roots(document).into_iter().map(|node| (node, Transform::IDENTITY)).collect();
+    waiting.retain(|(node, _)| seen.insert(node.index()));
+    waiting.reverse();
+    let mut found = Vec::new();
+    // A stack of our own: a deep chain of nodes must not end the call stack.
+    while let Some((node, parent)) = waiting.pop() {
+        let index = node.index();
+        let local = Transform::of_node(node.transform()).map_err(|why| format!("node {index}: {why}"))?;
+        let world = parent.of_child(&local);
         let mut children = Vec::new();
-        for child in json::indices(node, "children").map_err(named)? {
+        for child in node.children() {
             // Also what keeps a cycle from going on for ever.
-            if !seen.insert(child) {
-                return Err(named(format!("its child {child} belongs to another node or is a root")));
+            if !seen.insert(child.index()) {
+                return Err(format!("node {index}: its child {} belongs to another node or is a root", child.index()));
             }
             children.push((child, world.clone()));
         }
-        Ok(children)
-    }
-
-    /// Reads a mesh.
-    fn mesh(&mut self, index: usize, world: &Transform) -> Result<(), String> {
-        let mesh = json::item(self.root, "meshes", index)?;
-        let primitives = json::list(mesh, "primitives").map_err(|why| format!("mesh {index}: {why}"))?;
-        for (number, primitive) in primitives.iter().enumerate() {
-            self.primitive(primitive, world).map_err(|why| format!("mesh {index}, primitive {number}: {why}"))?;
+        waiting.extend(children.into_iter().rev());
+        if let Some(mesh) = node.mesh() {
+            found.push(Instance { node: Some(index), mesh, world });
         }
-        Ok(())
     }
+    Ok(found)
+}
+
+/// The nodes to start from: those of the default scene, or of all scenes if none is the default, or all that are no
+/// other node's child if there are no scenes.
+fn roots(document: &Document) -> Vec<Node<'_>> {
+    if let Some(scene) = document.default_scene() {
+        return scene.nodes().collect();
+    }
+    if document.scenes().len() > 0 {
+        return document.scenes().flat_map(|scene| scene.nodes()).collect();
+    }
+    let children: HashSet<usize> =
+        document.nodes().flat_map(|node| node.children()).map(|child| child.index()).collect();
+    document.nodes().filter(|node| !children.contains(&node.index())).collect()
 }
 
 #[cfg(test)]

@@ -1,7 +1,5 @@
 //! Transforms of nodes, in `f64`.
-use serde_json::Value;
-
-use super::json;
+use gltf::scene::Transform as Stored;
 
 /// An affine transform: the three columns of its matrix, then the translation.
 #[derive(Debug, Clone, PartialEq)]
@@ -12,22 +10,24 @@ impl Transform {
     pub const IDENTITY: Self = Self([[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [0.0, 0.0, 0.0]]);
 
     /// The transform of a node relative to its parent.
-    pub fn of_node(node: &Value) -> Result<Self, String> {
-        if let Some(m) = json::numbers::<16>(node, "matrix")? {
-            let [a, b, c, p, d, e, f, q, g, h, i, r, x, y, z, s] = m;
-            // Writers that multiply matrices leave rounding errors here.
-            if [p, q, r, s - 1.0].iter().any(|value| value.abs() > 1e-6) {
-                return Err("the last row of its matrix is not 0 0 0 1".into());
+    pub fn of_node(stored: Stored) -> Result<Self, String> {
+        match stored {
+            Stored::Matrix { matrix } => {
+                let [[a, b, c, p], [d, e, f, q], [g, h, i, r], [x, y, z, s]] =
+                    matrix.map(|column| column.map(f64::from));
+                // Writers that multiply matrices leave rounding errors here.
+                if [p, q, r, s - 1.0].iter().any(|value| value.abs() > 1e-6) {
+                    return Err("the last row of its matrix is not 0 0 0 1".into());
+                }
+                Ok(Self([[a, b, c], [d, e, f], [g, h, i], [x, y, z]]))
             }
-            return Ok(Self([[a, b, c], [d, e, f], [g, h, i], [x, y, z]]));
+            Stored::Decomposed { translation, rotation, scale } => {
+                let [x, y, z] = turned(rotation.map(f64::from));
+                let [sx, sy, sz] = scale.map(f64::from);
+                let moved = translation.map(f64::from);
+                Ok(Self([x.map(|v| v * sx), y.map(|v| v * sy), z.map(|v| v * sz), moved]))
+            }
         }
-        let moved = json::numbers(node, "translation")?.unwrap_or([0.0; 3]);
-        let [x, y, z] = match json::numbers(node, "rotation")? {
-            Some(turn) => rotation(turn),
-            None => [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
-        };
-        let [sx, sy, sz] = json::numbers(node, "scale")?.unwrap_or([1.0; 3]);
-        Ok(Self([x.map(|v| v * sx), y.map(|v| v * sy), z.map(|v| v * sz), moved]))
     }
 
     /// The transform of a child with `local`, as seen from outside this node.
@@ -56,7 +56,7 @@ impl Transform {
 }
 
 /// The columns of a rotation by the quaternion `turn`, of any length but 0.
-fn rotation(turn: [f64; 4]) -> [[f64; 3]; 3] {
+fn turned(turn: [f64; 4]) -> [[f64; 3]; 3] {
     let [x, y, z, w] = turn;
     let length = x * x + y * y + z * z + w * w;
     // Files store quaternions in decimal, so their length is not quite 1: this divides it out.
@@ -72,34 +72,34 @@ fn rotation(turn: [f64; 4]) -> [[f64; 3]; 3] {
 mod tests {
     use super::*;
 
-    /// The transform of the node `text`.
-    fn node(text: &str) -> Transform {
-        Transform::of_node(&serde_json::from_str(text).unwrap()).unwrap()
+    /// The transform of a node with these parts.
+    fn node(translation: [f32; 3], rotation: [f32; 4], scale: [f32; 3]) -> Transform {
+        Transform::of_node(Stored::Decomposed { translation, rotation, scale }).unwrap()
     }
 
     #[test]
     fn scale_comes_before_rotation_before_translation() {
         // A quarter turn about z, of a quaternion with length 2.
-        let found = node(r#"{"translation": [10, 20, 30], "rotation": [0, 0, 2, 2], "scale": [2, 3, 4]}"#);
+        let found = node([10.0, 20.0, 30.0], [0.0, 0.0, 2.0, 2.0], [2.0, 3.0, 4.0]);
         assert_eq!(found.apply([1.0, 1.0, 1.0]), [7.0, 22.0, 34.0]);
-        let matrix = node(r#"{"matrix": [0,2,0,0, -3,0,0,0, 0,0,4,0, 10,20,30,1]}"#);
-        assert_eq!(found, matrix);
-        let child = node(r#"{"translation": [1, 0, 0], "scale": [2, 2, 2]}"#);
+        let matrix = [[0.0, 2.0, 0.0, 0.0], [-3.0, 0.0, 0.0, 0.0], [0.0, 0.0, 4.0, 0.0], [10.0, 20.0, 30.0, 1.0]];
+        assert_eq!(Transform::of_node(Stored::Matrix { matrix }), Ok(found.clone()));
+        let child = node([1.0, 0.0, 0.0], [0.0, 0.0, 0.0, 1.0], [2.0; 3]);
         let both = found.of_child(&child);
         assert_eq!(both.apply([1.0, 2.0, 3.0]), found.apply(child.apply([1.0, 2.0, 3.0])));
     }
 
     #[test]
     fn the_turn_goes_the_right_way_about_every_axis() {
-        let turned = |axis: &str, point| node(&format!(r#"{{"rotation": [{axis}, 1]}}"#)).apply(point);
-        assert_eq!(turned("1, 0, 0", [0.0, 1.0, 0.0]), [0.0, 0.0, 1.0]);
-        assert_eq!(turned("0, 1, 0", [0.0, 0.0, 1.0]), [1.0, 0.0, 0.0]);
-        assert_eq!(turned("0, 0, 1", [1.0, 0.0, 0.0]), [0.0, 1.0, 0.0]);
+        let turned = |[x, y, z]: [f32; 3], point| node([0.0; 3], [x, y, z, 1.0], [1.0; 3]).apply(point);
+        assert_eq!(turned([1.0, 0.0, 0.0], [0.0, 1.0, 0.0]), [0.0, 0.0, 1.0]);
+        assert_eq!(turned([0.0, 1.0, 0.0], [0.0, 0.0, 1.0]), [1.0, 0.0, 0.0]);
+        assert_eq!(turned([0.0, 0.0, 1.0], [1.0, 0.0, 0.0]), [0.0, 1.0, 0.0]);
     }
 
     #[test]
     fn nothing_moves_by_the_identity() {
-        assert_eq!(node("{}"), Transform::IDENTITY);
+        assert_eq!(node([0.0; 3], [0.0, 0.0, 0.0, 1.0], [1.0; 3]), Transform::IDENTITY);
         assert!(Transform::IDENTITY.apply([-0.0, 0.0, 0.0])[0].is_sign_negative());
     }
 }

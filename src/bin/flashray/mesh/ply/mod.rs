@@ -1,154 +1,178 @@
-//! PLY, text and binary of either byte order: the vertices and the faces.
+//! PLY, text and binary of either byte order: the vertices and the faces, read by ply-rs-bw.
 //!
-//! Our own reader rather than ply-rs-bw, because its number grammar refuses `.5` and `1.`, its
-//! header grammar refuses names with a dot, comments that are not UTF-8 and lines that end in CR
-//! alone, and it reads two elements of the same name as one.
-mod header;
-mod rows;
+//! The crate reads the header and each row; the rows are asked for one by one, so that no count is believed and errors
+//! can say where they are. Before that, comments are blanked, because it refuses those that are not UTF-8, and names
+//! that come twice are refused, because it keeps the second only and would read all rows after it wrongly.
+use ply_rs_bw::parser::{Parser, Reader};
+use ply_rs_bw::ply::{
+    ElementDef, Encoding, Header, Property, PropertyAccess, PropertyAccessResult, PropertyType, ScalarType, Version,
+};
 
-use super::sink::{Fan, Sink};
-use super::text::Lines;
+use super::fan;
+use super::guard::{guarded, short};
+use super::text::{self, Lines};
 use crate::soup::Soup;
-use header::{Element, Encoding, Header, Kind, Property};
-use rows::{Binary, Source, Text};
 
 /// Reads the bytes of a PLY file.
 pub fn read(data: &[u8]) -> Result<Soup, String> {
-    let header = Header::parse(data)?;
-    let payload = data.get(header.length..).unwrap_or_default();
-    let mut reader = Reader::new(&header)?;
-    match header.encoding {
-        Encoding::Text => {
-            let lines = Lines::new(payload, header.lines + 1);
-            reader.payload(&header, &mut Text::new(lines, payload.len()))
-        }
-        Encoding::Little => reader.payload(&header, &mut Binary::new(data, header.length, false)),
-        Encoding::Big => reader.payload(&header, &mut Binary::new(data, header.length, true)),
-    }?;
-    Ok(reader.sink.finish())
-}
-
-/// What is read so far, and where in a row the values are that count.
-struct Reader {
-    sink: Sink,
-    /// The number of vertices that the header states: faces may come before them.
-    vertices: u64,
-    /// Which properties of a vertex are x, y and z.
-    axes: [usize; 3],
-    /// Which property of a face is the list of its corners.
-    corners: Option<usize>,
-}
-
-impl Reader {
-    /// Finds the properties that are needed.
-    fn new(header: &Header) -> Result<Self, String> {
-        let vertex = header.element("vertex").ok_or("the header has no vertex element")?;
-        let mut axes = [0; 3];
-        for (axis, name) in axes.iter_mut().zip(["x", "y", "z"]) {
-            *axis = vertex
-                .properties
-                .iter()
-                .position(|property| property.name == name && property.list.is_none())
-                .ok_or_else(|| format!("the vertex element has no number {name}"))?;
-        }
-        let corners = match header.element("face") {
-            Some(face) => Some(corners_of(face)?),
-            None if header.element("tristrips").is_some() => {
-                return Err("has triangle strips (tristrips) only; save it with faces".into());
-            }
-            None => None,
-        };
-        Ok(Self { sink: Sink::new(), vertices: vertex.count, axes, corners })
+    let mut lines = Lines::new(data);
+    if lines.next().is_none_or(|(_, line)| line.trim_ascii_end() != b"ply") {
+        return Err("not a PLY file: its first line is not \"ply\"".into());
     }
-
-    /// Reads all elements, also those that do not count: a file that ends early is an error.
-    fn payload(&mut self, header: &Header, source: &mut impl Source) -> Result<(), String> {
-        for element in header.elements.iter().filter(|element| !element.properties.is_empty()) {
-            source.claim(element)?;
+    let header = header(&mut lines)?;
+    check(&header)?;
+    let mut rows = Rows { encoding: header.encoding, lines, size: data.len() };
+    guarded(|| {
+        let mut soup = Soup::default();
+        let vertices = header.elements.get("vertex").map_or(0, |vertex| vertex.count);
+        // The rows of an element without properties have no bytes, but may be any number.
+        for element in header.elements.values().filter(|element| !element.properties.is_empty()) {
             for number in 0..element.count {
-                self.row(element, source)
-                    .map_err(|why| format!("{} {number} ({}): {why}", element.name, source.place()))?;
+                let row = rows.next(element).and_then(|row| row.take(&element.name, vertices, &mut soup));
+                row.map_err(|why| format!("{} {number} ({}): {why}", element.name, rows.place()))?;
             }
         }
-        Ok(())
-    }
+        Ok::<_, String>(soup)
+    })
+}
 
-    /// Reads a row.
-    fn row(&mut self, element: &Element, source: &mut impl Source) -> Result<(), String> {
-        source.row()?;
-        match element.name.as_str() {
-            "vertex" => self.vertex(element, source),
-            "face" => self.face(element, source),
-            _ => element.properties.iter().try_for_each(|property| skip(property, source)),
+/// Reads the header, whose first line is read already.
+fn header(lines: &mut Lines) -> Result<Header, String> {
+    let (mut plain, mut stated) = ("ply\n".to_string(), 0);
+    for (_, line) in lines.by_ref() {
+        let name = text::words(line).next();
+        match name {
+            None | Some(b"comment" | b"obj_info") => plain.push_str("comment"),
+            _ => plain.push_str(&String::from_utf8_lossy(line)),
+        }
+        plain.push('\n');
+        match name {
+            Some(b"element" | b"property") => stated += 1,
+            Some(b"end_header") => break,
+            _ => {}
         }
     }
+    let parser = Parser::<Row>::new();
+    let mut header = guarded(|| parser.read_header(&mut Reader::new(plain.as_bytes()))).map_err(|why| {
+        let plain = why.split(" Error: ParseError").next().unwrap_or_default();
+        plain.replacen("Line ", "line ", 1)
+    })?;
+    if header.elements.values().map(|element| 1 + element.properties.len()).sum::<usize>() != stated {
+        return Err("the header has two elements, or two properties of an element, with the same name".into());
+    }
+    if header.encoding == Encoding::Ascii {
+        // By way of f64 a number would be rounded twice.
+        let properties = header.elements.values_mut().flat_map(|element| element.properties.values_mut());
+        for property in properties.filter(|property| property.data_type == PropertyType::Scalar(ScalarType::Double)) {
+            property.data_type = PropertyType::Scalar(ScalarType::Float);
+        }
+    }
+    Ok(header)
+}
 
-    /// Reads a vertex.
-    fn vertex(&mut self, element: &Element, source: &mut impl Source) -> Result<(), String> {
-        let mut position = [0.0; 3];
-        for (index, property) in element.properties.iter().enumerate() {
-            let axis = self.axes.iter().position(|axis| *axis == index);
-            match axis.and_then(|axis| position.get_mut(axis)) {
-                Some(coordinate) => *coordinate = source.real(property.kind)?,
-                None => skip(property, source)?,
+/// Refuses a header that does not say where the triangles are.
+fn check(header: &Header) -> Result<(), String> {
+    let has = |element: &str, name: &str| {
+        header.elements.get(element).is_some_and(|element| element.properties.contains_key(name))
+    };
+    if header.version != (Version { major: 1, minor: 0 }) {
+        return Err(format!("version {} is not 1.0", header.version));
+    }
+    if let Some(axis) = ["x", "y", "z"].iter().find(|axis| !has("vertex", axis)) {
+        return Err(format!("the header has no element vertex with the property {axis}"));
+    }
+    if header.elements.contains_key("face") {
+        if !has("face", "vertex_indices") && !has("face", "vertex_index") {
+            return Err("the face element has no list vertex_indices or vertex_index".into());
+        }
+    } else if header.elements.contains_key("tristrips") {
+        return Err("has triangle strips (tristrips) only; save it with faces".into());
+    }
+    Ok(())
+}
+
+/// The rows after the header.
+struct Rows<'a> {
+    encoding: Encoding,
+    lines: Lines<'a>,
+    /// The length of the file.
+    size: usize,
+}
+
+impl Rows<'_> {
+    /// Reads the next row, which is one of `element`.
+    fn next(&mut self, element: &ElementDef) -> Result<Row, String> {
+        let parser = Parser::new();
+        let row = match self.encoding {
+            Encoding::Ascii => {
+                let line = self.lines.find(|(_, line)| !line.trim_ascii().is_empty());
+                let (_, line) = line.ok_or("the file ends here")?;
+                parser.read_ascii_element(str::from_utf8(line).map_err(|_| "not a line of text")?, element)
             }
-        }
-        self.sink.vertex(position).map(drop)
+            Encoding::BinaryBigEndian => parser.read_big_endian_element(&mut self.lines.rest, element),
+            Encoding::BinaryLittleEndian => parser.read_little_endian_element(&mut self.lines.rest, element),
+        };
+        row.map_err(short)
     }
 
-    /// Reads a face.
-    fn face(&mut self, element: &Element, source: &mut impl Source) -> Result<(), String> {
-        for (index, property) in element.properties.iter().enumerate() {
-            match property.list {
-                Some(length) if self.corners == Some(index) => {
-                    let count = source.length(length, property.kind)?;
-                    let mut fan = Fan::default();
-                    for _ in 0..count {
-                        let corner = self.index(source.whole(property.kind)?)?;
-                        fan.corner(corner, &mut self.sink)?;
-                    }
-                    fan.finish()?;
+    /// Where the last row was, or ended.
+    fn place(&self) -> String {
+        match self.encoding {
+            Encoding::Ascii => format!("line {}", self.lines.number() - 1),
+            _ => format!("byte {}", self.size - self.lines.rest.len()),
+        }
+    }
+}
+
+/// What counts in a row of any element.
+struct Row {
+    position: [f32; 3],
+    corners: Option<Vec<u32>>,
+}
+
+impl Row {
+    /// Adds the row of `element` to `soup`; the file has this number of `vertices`.
+    fn take(self, element: &str, vertices: usize, soup: &mut Soup) -> Result<(), String> {
+        match element {
+            "vertex" if self.position.iter().all(|value| value.is_finite()) => soup.positions.push(self.position),
+            "vertex" => return Err("x, y or z is not a finite f32".into()),
+            "face" => {
+                let corners = self.corners.ok_or("a corner is not a whole number of 0 or more")?;
+                let is_known = |index: u32| usize::try_from(index).is_ok_and(|index| index < vertices);
+                if let Some(index) = corners.iter().find(|index| !is_known(**index)) {
+                    return Err(format!("vertex index {index} is out of range (the file has {vertices} vertices)"));
                 }
-                _ => skip(property, source)?,
+                if corners.len() < 3 {
+                    return Err(format!("a face needs at least 3 corners, this one has {}", corners.len()));
+                }
+                soup.triangles.extend(fan(&corners));
             }
+            _ => {}
         }
         Ok(())
     }
-
-    /// A corner's index, if there is such a vertex.
-    fn index(&self, index: i64) -> Result<u32, String> {
-        let known = u64::try_from(index).is_ok_and(|index| index < self.vertices);
-        u32::try_from(index).ok().filter(|_| known).ok_or_else(|| {
-            let vertices = self.vertices;
-            format!("vertex index {index} is out of range (the file has {vertices} vertices)")
-        })
-    }
 }
 
-/// Which property of `face` lists its corners.
-fn corners_of(face: &Element) -> Result<usize, String> {
-    let is_corners = |property: &Property| {
-        property.list.is_some() && matches!(property.name.as_str(), "vertex_indices" | "vertex_index")
-    };
-    let (index, property) = face
-        .properties
-        .iter()
-        .enumerate()
-        .find(|(_, property)| is_corners(property))
-        .ok_or("the face element has no list vertex_indices or vertex_index")?;
-    if !property.kind.is_whole() {
-        return Err(format!("the list {} of the face element is not of whole numbers", property.name));
+impl PropertyAccess for Row {
+    fn new() -> Self {
+        Self { position: [f32::NAN; 3], corners: None }
     }
-    Ok(index)
-}
 
-/// Skips a property.
-fn skip(property: &Property, source: &mut impl Source) -> Result<(), String> {
-    let count = match property.list {
-        Some(length) => source.length(length, property.kind)?,
-        None => 1,
-    };
-    source.skip(count, property.kind)
+    fn set_property(&mut self, name: &str, property: Property) -> PropertyAccessResult {
+        let [x, y, z] = &mut self.position;
+        let axis = match name {
+            "x" => x,
+            "y" => y,
+            "z" => z,
+            "vertex_indices" | "vertex_index" => {
+                self.corners = property.to_u32_list();
+                return PropertyAccessResult::Set;
+            }
+            _ => return PropertyAccessResult::Ignored,
+        };
+        *axis = property.to_f32_lossy().unwrap_or(f32::NAN);
+        PropertyAccessResult::Set
+    }
 }
 
 #[cfg(test)]

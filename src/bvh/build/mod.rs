@@ -1,17 +1,23 @@
-//! The builder: top down, without recursion, nodes straight into walk order.
+//! The builder: top down, then improved, then put in walk order, all without recursion.
 //!
 //! Two rules. `Seed`: the node's box is halved along x, y, z in turn, and a primitive goes to the side of its centre;
-//! where that leaves one side empty the other axes are tried. `Sah`: the split of least expected cost. Both fall back
-//! to halving the run by count where they separate nothing, and always do so from level [`HALVE_FROM`] on, so a tree
-//! has at most 32 + 28 levels, and any input ends.
+//! where that leaves one side empty the other axes are tried. `Sah`: the split of least expected cost, down to single
+//! primitives; then [`reinsert`] moves subtrees to better places, and [`order`] joins small subtrees into leaves where
+//! that costs less. Both rules fall back to halving the run by count where they separate nothing, and always do so from
+//! level [`HALVE_FROM`] on, so a tree has at most 32 + 28 levels, and any input ends.
 //!
 //! Memory: one [`Ref`] (32 bytes) a primitive, at most one node (64 bytes) less than there are primitives.
+
+pub mod order;
+mod reinsert;
+
 use super::{Child, MAX_LEAF, Node};
 use crate::blob::MAX_STACK;
 use crate::build::sah::{Choice, halve, sweep};
 use crate::build::{BuildError, Config, Ref, Rule, What};
 use crate::geom::Aabb;
 use crate::num::{count, index};
+pub use order::Tree;
 
 /// Nodes on this level and below are halved by count.
 const HALVE_FROM: u32 = 32;
@@ -27,26 +33,66 @@ struct Task {
     first: usize,
     len: usize,
     bounds: Aabb,
-    /// The parent and the side on which it waits for the child; none for the root.
-    parent: Option<(usize, usize)>,
+    /// The place that waits for the child; none for the root.
+    place: Option<Place>,
     /// Level of the node that this may become; the root's is 1.
     level: u32,
 }
 
-/// Builds a tree over `refs`, which it puts in slot order. Returns the nodes, the deepest stack and the most steps.
+/// A child's place: a node and a side of it, as one number for [`Node::reserved`], which holds it while building.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct Place(u32);
+
+impl Place {
+    /// Where the root would be.
+    const ROOT: Self = Self(u32::MAX);
+
+    const fn new(node: u32, side: u32) -> Self {
+        Self(node << 1 | side)
+    }
+
+    const fn node(self) -> usize {
+        index(self.0 >> 1)
+    }
+
+    const fn side(self) -> usize {
+        index(self.0 & 1)
+    }
+
+    const fn sibling(self) -> Self {
+        Self(self.0 ^ 1)
+    }
+}
+
+/// Builds a tree over `refs`.
 ///
 /// # Errors
 /// [`BuildError::Full`] if `nodes` is too short, with the most nodes that any tree could need.
 pub fn build<'n>(
     config: &Config,
-    refs: &mut [Ref],
+    refs: &'n mut [Ref],
     nodes: &'n mut [Node],
     bounds: &Aabb,
-) -> Result<(&'n [Node], u32, u32), BuildError> {
+) -> Result<Tree<'n>, BuildError> {
+    let made = top_down(config, refs, nodes, bounds)?;
+    let rounds = if config.rule == Rule::Sah { config.reinsert } else { 0 };
+    if rounds > 0 {
+        reinsert::improve(nodes.get_mut(..made).unwrap_or(&mut []), bounds, rounds);
+        if order::depth(nodes.get(..made).unwrap_or(&[])) > MAX_STACK {
+            // Rare, and then the tree is as good as the top-down one.
+            top_down(config, refs, nodes, bounds)?;
+        }
+    }
+    let leaf = if config.rule == Rule::Sah { config.leaf } else { 1 };
+    Ok(Tree::new(refs, nodes.get_mut(..made).unwrap_or(&mut []), bounds, leaf))
+}
+
+/// Splits from the root down, and returns how many nodes that made. Each node's first reserved word is its place.
+fn top_down(config: &Config, refs: &mut [Ref], nodes: &mut [Node], bounds: &Aabb) -> Result<usize, BuildError> {
     let full = BuildError::Full { what: What::Nodes, needed: index(most_nodes(count(refs.len()))), had: nodes.len() };
     let mut tasks = heapless::Vec::<Task, { index(MAX_STACK) }>::new();
-    let (mut made, mut deepest) = (0, 0);
-    let mut next = Some(Task { first: 0, len: refs.len(), bounds: *bounds, parent: None, level: 1 });
+    let mut made = 0;
+    let mut next = Some(Task { first: 0, len: refs.len(), bounds: *bounds, place: None, level: 1 });
     while let Some(task) = next.take().or_else(|| tasks.pop()) {
         let run = refs.get_mut(task.first..task.first + task.len).unwrap_or(&mut []);
         let choice = choose(config, run, &task);
@@ -54,19 +100,19 @@ pub fn build<'n>(
             Choice::Leaf => Child::leaf(count(task.first), count(task.len)),
             Choice::Split(_) => Child::node(count(made)),
         };
-        if let Some((parent, side)) = task.parent {
-            nodes.get_mut(parent).ok_or(full)?.child[side & 1] = child;
+        if let Some(place) = task.place {
+            nodes.get_mut(place.node()).ok_or(full)?.child[place.side()] = child;
         }
         let Choice::Split(at) = choice else { continue };
         let node = nodes.get_mut(made).ok_or(full)?;
         let (left, right) = split(&task, run, at, made);
         *node = Node::new(&left.bounds, &right.bounds);
-        (made, deepest) = (made + 1, deepest.max(task.level));
+        node.reserved[0] = task.place.unwrap_or(Place::ROOT).0;
+        made += 1;
         tasks.push(right).map_err(|_| full)?;
         next = Some(left);
     }
-    let steps = count(made).saturating_add(count(refs.len()));
-    Ok((nodes.get(..made).ok_or(full)?, deepest, steps))
+    Ok(made)
 }
 
 /// The two children of a run parted at `at`, under node `number`.
@@ -76,7 +122,7 @@ fn split(task: &Task, run: &[Ref], at: usize, number: usize) -> (Task, Task) {
         first: task.first + first,
         len: run.len(),
         bounds: run.iter().fold(Aabb::EMPTY, |all, r| all.join(&r.bounds)),
-        parent: Some((number, side)),
+        place: Some(Place::new(count(number), side)),
         level: task.level + 1,
     };
     (child(left, 0, 0), child(right, at, 1))
@@ -87,15 +133,9 @@ fn choose(config: &Config, run: &mut [Ref], task: &Task) -> Choice {
     match config.rule {
         _ if run.len() < 2 => Choice::Leaf,
         Rule::Seed if run.len() <= leaf => Choice::Leaf,
-        _ if task.level >= HALVE_FROM => {
-            if run.len() <= leaf {
-                Choice::Leaf
-            } else {
-                halve(run)
-            }
-        }
+        _ if task.level >= HALVE_FROM => halve(run),
         Rule::Seed => middle(run, &task.bounds, index(task.level - 1) % 3),
-        Rule::Sah => sweep(run, &task.bounds, leaf),
+        Rule::Sah => sweep(run, &task.bounds),
     }
 }
 

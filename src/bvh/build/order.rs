@@ -1,0 +1,192 @@
+//! From a tree whose nodes stand anywhere to nodes in walk order.
+//!
+//! One pass from the leaves up decides which subtrees become leaves: those whose primitives are few enough and cost
+//! no more to test than the subtree costs to walk. It also counts what is below each node, so that nodes can then be
+//! written one after the other, each child's number known before it is written.
+use super::Place;
+use crate::build::Ref;
+use crate::build::sah::{NODE_COST, area};
+use crate::bvh::{Child, Node};
+use crate::geom::Aabb;
+use crate::geom::vec::{size, sub};
+use crate::num::{count, index, weight};
+
+/// A finished tree: its nodes' reserved words hold the numbers of nodes (0 for one that is a leaf) and of primitives in
+/// the subtree.
+#[derive(Clone, Copy, Debug)]
+pub struct Tree<'n> {
+    refs: &'n [Ref],
+    nodes: &'n [Node],
+    /// Number of nodes in walk order.
+    pub len: u32,
+    /// Deepest stack of a walk.
+    pub stack: u32,
+}
+
+/// The deepest stack that a walk of the nodes needs, if none becomes a leaf; more than any limit if it is too deep.
+pub fn depth(nodes: &[Node]) -> u32 {
+    let mut todo = heapless::Vec::<(u32, u32), 128>::new();
+    let mut deepest = 0;
+    let mut next = (!nodes.is_empty()).then_some((0, 1));
+    while let Some((node, level)) = next.take().or_else(|| todo.pop()) {
+        deepest = deepest.max(level);
+        for child in nodes.get(index(node)).map_or([Child::NONE; 2], |n| n.child) {
+            if child.is_node() && child != Child::NONE && todo.push((child.number(), level + 1)).is_err() {
+                return u32::MAX;
+            }
+        }
+    }
+    deepest
+}
+
+impl<'n> Tree<'n> {
+    /// Joins subtrees of up to `leaf` primitives into leaves where that costs less, and counts.
+    pub(super) fn new(refs: &'n mut [Ref], nodes: &'n mut [Node], bounds: &Aabb, leaf: u32) -> Self {
+        let unit = 1.0 / size(sub(bounds.max, bounds.min));
+        if !nodes.is_empty() {
+            Join { refs, nodes, unit, leaf }.run(bounds);
+        }
+        let mut tree = Self { refs, nodes, len: nodes.first().map_or(0, |n| n.reserved[0]), stack: 0 };
+        tree.stack = tree.walk().map(|(_, level)| level).fold(0, u32::max);
+        tree
+    }
+
+    /// A child's numbers of nodes and primitives.
+    fn below(&self, child: Child) -> (u32, u32) {
+        if !child.is_node() {
+            return (0, child.len());
+        }
+        self.nodes.get(index(child.number())).map_or((0, 0), |n| (n.reserved[0], n.reserved[1]))
+    }
+
+    /// The nodes in walk order with the numbers that they have there, and their levels; the root's is 1.
+    fn walk(self) -> impl Iterator<Item = (Node, u32)> {
+        // A node, its number, its first slot, its level.
+        let mut todo = heapless::Vec::<(u32, u32, u32, u32), 128>::new();
+        let mut next = (self.len > 0).then_some((0, 0, 0, 1));
+        core::iter::from_fn(move || {
+            let (at, number, first, level) = next.take().or_else(|| todo.pop())?;
+            let mut node = *self.nodes.get(index(at))?;
+            let [left, right] = node.child;
+            let (below_left, below_right) = (self.below(left), self.below(right));
+            let mut child = |child: Child, (nodes, prims): (u32, u32), number: u32, first: u32| {
+                if nodes == 0 {
+                    return Child::leaf(first, prims);
+                }
+                // Twice as long as any tree is deep: it takes two entries a level at most.
+                let _ = todo.push((child.number(), number, first, level + 1));
+                Child::node(number)
+            };
+            let second = child(right, below_right, number + 1 + below_left.0, first + below_left.1);
+            node.child = [child(left, below_left, number + 1, first), second];
+            node.reserved = [0; 2];
+            Some((node, level))
+        })
+    }
+
+    /// The nodes in walk order.
+    pub fn nodes(self) -> impl Iterator<Item = Node> {
+        self.walk().map(|(node, _)| node)
+    }
+
+    /// The references in slot order.
+    pub fn refs(self) -> impl Iterator<Item = &'n Ref> {
+        let mut todo = heapless::Vec::<Child, 128>::new();
+        // With no node, the whole run is one leaf.
+        let (mut run, root) = match self.nodes.first() {
+            Some(_) => (&self.refs[..0], Some(Child::node(0))),
+            None => (self.refs, None),
+        };
+        let mut next = root;
+        core::iter::from_fn(move || {
+            loop {
+                if let Some((first, rest)) = run.split_first() {
+                    run = rest;
+                    return Some(first);
+                }
+                let child = next.take().or_else(|| todo.pop())?;
+                if child.is_node() {
+                    let [left, right] = self.nodes.get(index(child.number()))?.child;
+                    let _ = todo.push(right);
+                    next = Some(left);
+                } else {
+                    run = self.refs.get(index(child.number())..index(child.number() + child.len()))?;
+                }
+            }
+        })
+    }
+}
+
+/// The pass from the leaves up. What a subtree costs to walk stands in the scratch of the reference with its number.
+struct Join<'j> {
+    refs: &'j mut [Ref],
+    nodes: &'j mut [Node],
+    unit: f32,
+    leaf: u32,
+}
+
+impl Join<'_> {
+    /// Goes down to the left, over to the right, and up, by the places in the nodes' first reserved words.
+    fn run(&mut self, bounds: &Aabb) {
+        let mut at = 0;
+        loop {
+            // Down the left sides to a node whose left child is a leaf.
+            while let Some(child) = self.inner(Place::new(at, 0)) {
+                at = child;
+            }
+            loop {
+                if let Some(child) = self.inner(Place::new(at, 1)) {
+                    at = child;
+                    break;
+                }
+                // Up, as long as it is from the right side.
+                loop {
+                    let place = self.finish(at, bounds);
+                    if place == Place::ROOT {
+                        return;
+                    }
+                    at = count(place.node());
+                    if place.side() == 0 {
+                        break;
+                    }
+                }
+            }
+        }
+    }
+
+    /// The number of the inner node at a place, if one is there.
+    fn inner(&self, place: Place) -> Option<u32> {
+        let child = self.nodes.get(place.node())?.child[place.side()];
+        child.is_node().then_some(child.number())
+    }
+
+    /// Decides about a node whose children are finished, and returns its place.
+    fn finish(&mut self, at: u32, bounds: &Aabb) -> Place {
+        let Some(&node) = self.nodes.get(index(at)) else { return Place::ROOT };
+        let place = Place(node.reserved[0]);
+        let own = self.nodes.get(place.node()).map_or(*bounds, |n| n.bounds(place.side()));
+        let (mut below, mut prims, mut cost) = (1, 0, NODE_COST * area(&own, self.unit));
+        for side in 0..2 {
+            let child = node.child[side];
+            let inner = self.nodes.get(index(child.number())).filter(|_| child.is_node());
+            let (nodes, n) = inner.map_or((0, child.len()), |n| (n.reserved[0], n.reserved[1]));
+            below += nodes;
+            prims += n;
+            cost += match inner {
+                Some(_) => self.refs.get(index(child.number())).map_or(0.0, |r| r.scratch),
+                None => weight(index(n)) * area(&node.bounds(side), self.unit),
+            };
+        }
+        let whole = weight(index(prims)) * area(&own, self.unit);
+        if prims <= self.leaf && whole <= cost {
+            (below, cost) = (0, whole);
+        }
+        if let Some(node) = self.nodes.get_mut(index(at)) {
+            node.reserved = [below, prims];
+        }
+        if let Some(r) = self.refs.get_mut(index(at)) {
+            r.scratch = cost;
+        }
+        place
+    }
+}
