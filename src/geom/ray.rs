@@ -43,6 +43,32 @@ impl Ray {
         self.t_max = t_max;
         self
     }
+
+    /// Whether the direction is too small for its inverse to be a normal number.
+    #[inline(always)]
+    pub(crate) const fn is_tiny(&self) -> bool {
+        self.dir[0].abs() < SMALL && self.dir[1].abs() < SMALL && self.dir[2].abs() < SMALL
+    }
+
+    /// The same ray with a tiny direction made [`SCALE`] times as long, and its interval as many times shorter: what `t`
+    /// it finds is to be multiplied by that.
+    ///
+    /// Both are exact, because the interval is first cut to where `t` is finite. The interval itself may underflow: its
+    /// ends then round inwards, and it may become empty.
+    #[cold]
+    pub(crate) fn enlarged(&self) -> Self {
+        let (t_min, t_max) = (most(self.t_min, f32::MIN), least(self.t_max, f32::MAX));
+        let (low, high) = (t_min / SCALE, t_max / SCALE);
+        let low = if low * SCALE < t_min { low.next_up() } else { low };
+        let high = if high * SCALE > t_max { high.next_down() } else { high };
+        let nan = self.t_min.is_nan() || self.t_max.is_nan();
+        Self {
+            origin: self.origin,
+            dir: self.dir.map(|d| d * SCALE),
+            t_min: if nan { f32::NAN } else { low },
+            t_max: high,
+        }
+    }
 }
 
 /// A coordinate axis. An enum rather than a number, so that `array[axis as usize]` needs no bounds check.
@@ -82,9 +108,10 @@ const PAD: f32 = 16.0 / 16_777_216.0;
 /// Share of the origin's own size, so that the pad survives the rounding of `origin + pad`: 2 half-ulps.
 const ORIGIN_PAD: f32 = 2.0 / 16_777_216.0;
 
-/// Directions whose largest component is below this are scaled by [`SCALE`], so that `1 / dir` does not overflow.
+/// Directions of which no component reaches this are tiny.
 const SMALL: f32 = 1.0 / 1_267_650_600_228_229_401_496_703_205_376.0; // 2^-100
-const SCALE: f32 = 18_446_744_073_709_551_616.0; // 2^64
+/// What a tiny direction is multiplied by.
+pub(crate) const SCALE: f32 = 18_446_744_073_709_551_616.0; // 2^64
 
 /// A ray that makes sense, with what every test of it shares.
 #[derive(Clone, Copy, Debug)]
@@ -109,20 +136,18 @@ pub struct Prepared {
     pub(crate) t_min: f32,
     /// Greatest `t` that counts.
     pub(crate) t_max: f32,
-    /// What a `t` found is to be multiplied by: a power of two, 1 but for directions of extremely small size.
-    pub(crate) unit: f32,
 }
 
 impl Prepared {
     /// Prepares `ray` against a scene that lies in `bounds`, whose coordinates are relative to `local`.
     ///
-    /// `None` if the ray makes no sense, and then it meets nothing.
+    /// `None` if the ray makes no sense, and then it meets nothing. A direction below 2^-100 in size has no useful inverse
+    /// here: [`Ray::enlarged`] is what to prepare instead.
     #[inline(always)]
     #[must_use]
     pub fn new(ray: &Ray, bounds: &Aabb, local: Vec3) -> Option<Self> {
         // Adding 0.0 turns -0.0 into 0.0, so that the two can not part ways below.
         let dir = [ray.dir[0] + 0.0, ray.dir[1] + 0.0, ray.dir[2] + 0.0];
-        let origin = sub(ray.origin, local);
         let sizes = [dir[0].abs(), dir[1].abs(), dir[2].abs()];
         let largest = most(sizes[2], most(sizes[1], sizes[0]));
         if !all_finite(ray.origin, dir) || largest == 0.0 || !(ray.t_min <= ray.t_max) {
@@ -131,24 +156,14 @@ impl Prepared {
         // Selected, not branched on, here and below: the signs and the order of components are as good as random.
         let kz = if sizes[1] > sizes[0] { Axis::Y } else { Axis::X };
         let kz = if sizes[2] > most(sizes[1], sizes[0]) { Axis::Z } else { kz };
-        let prepared = Self::scaled(dir, kz, origin, [ray.t_min, ray.t_max], bounds);
-        if largest < SMALL {
-            return rescaled(dir, kz, origin, ray, bounds);
-        }
-        Some(prepared)
-    }
-
-    /// The rest of the preparation, for a direction whose largest component, on `kz`, has a normal inverse.
-    #[inline(always)]
-    fn scaled(dir: Vec3, kz: Axis, origin: Vec3, [t_min, t_max]: [f32; 2], bounds: &Aabb) -> Self {
         let (kx, ky) = kz.others();
+        let origin = sub(ray.origin, local);
         let inv = [1.0 / dir[0], 1.0 / dir[1], 1.0 / dir[2]];
         let extent = most(size(sub(bounds.min, origin)), size(sub(bounds.max, origin)));
-        let pad = extent * PAD + f32::MIN_POSITIVE;
         // A plane looks nearer from an origin moved along the ray, and farther from one moved against it.
-        let pad = |k: usize| (pad + origin[k].abs() * ORIGIN_PAD).copysign(dir[k]);
+        let pad = |k: usize| (extent * PAD + (origin[k].abs() * ORIGIN_PAD + f32::MIN_POSITIVE)).copysign(dir[k]);
         let pad = [pad(0), pad(1), pad(2)];
-        Self {
+        Some(Self {
             origin,
             near_origin: [origin[0] + pad[0], origin[1] + pad[1], origin[2] + pad[2]],
             far_origin: [origin[0] - pad[0], origin[1] - pad[1], origin[2] - pad[2]],
@@ -158,10 +173,9 @@ impl Prepared {
             kx,
             ky,
             shear: [dir[kx.at()] * inv[kz.at()], dir[ky.at()] * inv[kz.at()]],
-            t_min,
-            t_max,
-            unit: 1.0,
-        }
+            t_min: ray.t_min,
+            t_max: ray.t_max,
+        })
     }
 
     /// *The* slab test: the padded interval of `t` in which the whole line is inside the box; empty if the first
@@ -220,19 +234,4 @@ impl Prepared {
 #[inline(always)]
 fn all_finite(a: Vec3, b: Vec3) -> bool {
     (a[0] * 0.0 + a[1] * 0.0) + (a[2] * 0.0 + b[0] * 0.0) + (b[1] * 0.0 + b[2] * 0.0) == 0.0
-}
-
-/// The rest of the preparation, for directions of extremely small size: scaled up by a power of two, which is exact.
-///
-/// So is scaling a `t` that was found back, because the interval is cut to where that is finite. The interval itself may
-/// underflow: its ends then round inwards, and it may become empty.
-#[cold]
-#[inline(never)]
-fn rescaled(dir: Vec3, kz: Axis, origin: Vec3, ray: &Ray, bounds: &Aabb) -> Option<Prepared> {
-    let (t_min, t_max) = (most(ray.t_min, f32::MIN), least(ray.t_max, f32::MAX));
-    let (low, high) = (t_min / SCALE, t_max / SCALE);
-    let low = if low * SCALE < t_min { low.next_up() } else { low };
-    let high = if high * SCALE > t_max { high.next_down() } else { high };
-    let prepared = Prepared::scaled(dir.map(|d| d * SCALE), kz, origin, [low, high], bounds);
-    (low <= high).then_some(Prepared { unit: SCALE, ..prepared })
 }

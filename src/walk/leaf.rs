@@ -21,7 +21,10 @@ pub fn test<const ANY: bool>(
         return Err(Stop::Fuel);
     }
     if !prims.refs.is_empty() {
-        return mixed::<ANY>(prims, (first, len), ray, best);
+        // By value both ways: a ray and a best hit that nobody points to can stay in registers.
+        let (over, found) = mixed::<ANY>(prims, (first, len), *ray, *best)?;
+        *best = found;
+        return Ok(over);
     }
     let run = prims.triangles.get(index(first)..).and_then(|t| t.get(..index(len))).ok_or(Stop::Corrupt)?;
     for (i, triangle) in run.iter().enumerate() {
@@ -40,24 +43,24 @@ pub fn test<const ANY: bool>(
 fn mixed<const ANY: bool>(
     prims: &Prims<'_>,
     (first, len): (u32, u32),
-    ray: &Prepared,
-    best: &mut Best,
-) -> Result<bool, Stop> {
+    ray: Prepared,
+    mut best: Best,
+) -> Result<(bool, Best), Stop> {
     for slot in first..first.saturating_add(len) {
         let at_t = |t| Crossing { t, u: 0.0, v: 0.0, enters: true };
         let crossing = match prims.get(slot).ok_or(Stop::Corrupt)? {
-            Primitive::Triangle(p) => p.crossing(ray, best.t),
-            Primitive::Sphere(p) => p.crossing(ray, best.t).map(at_t),
-            Primitive::Box(p) => p.crossing(ray, best.t).map(at_t),
-            Primitive::Cylinder(p) => p.as_cone().crossing(ray, best.t).map(at_t),
-            Primitive::Cone(p) => p.crossing(ray, best.t).map(at_t),
+            Primitive::Triangle(p) => p.crossing(&ray, best.t),
+            Primitive::Sphere(p) => p.crossing(&ray, best.t).map(at_t),
+            Primitive::Box(p) => p.crossing(&ray, best.t).map(at_t),
+            Primitive::Cylinder(p) => p.as_cone().crossing(&ray, best.t).map(at_t),
+            Primitive::Cone(p) => p.crossing(&ray, best.t).map(at_t),
         };
         if let Some(crossing) = crossing {
             best.offer(crossing, prims.id(slot));
             if ANY {
-                return Ok(true);
+                return Ok((true, best));
             }
         }
     }
-    Ok(false)
+    Ok((false, best))
 }
