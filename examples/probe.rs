@@ -3,6 +3,8 @@
 //! Firmware, WebAssembly and host include this file, so that "the same bits everywhere" is a comparison of two numbers.
 //! Rays come from the scene's bounds by `+ - * /` and exact square roots in a fixed order; half of them are a pinhole
 //! camera's, half are chords of the sphere around the bounds. No heap, no panic, no `std`.
+#![allow(clippy::cast_precision_loss)] // small whole numbers
+
 use flashray::{Hit, Ray, Scene};
 
 type Vec3 = [f32; 3];

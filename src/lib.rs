@@ -41,6 +41,7 @@
 //! - `alloc`: builders that size themselves and return a `Vec<u8>`.
 //! - `cli`: the `flashray` command.
 #![cfg_attr(not(feature = "std"), no_std)]
+#![warn(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::as_conversions)]
 
 #[cfg(feature = "alloc")]
 extern crate alloc;

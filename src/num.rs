@@ -3,6 +3,8 @@
 //! Indices in a blob are `u32`; slices want `usize`. Targets whose `usize` is narrower than 32 bits are refused below,
 //! which makes [`index`] lossless. No index is ever trusted for memory safety: it goes through `get`.
 
+#![allow(clippy::as_conversions, clippy::cast_possible_truncation, clippy::cast_precision_loss, clippy::cast_lossless)]
+
 #[cfg(target_pointer_width = "16")]
 compile_error!("flashray needs a usize of at least 32 bits");
 

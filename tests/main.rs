@@ -1,4 +1,11 @@
 //! One binary, so that it links once: every structure against the list, the format's rules, the command, the targets.
+#![allow(
+    clippy::cast_possible_truncation,
+    clippy::cast_precision_loss,
+    clippy::cast_sign_loss,
+    clippy::cast_possible_wrap
+)]
+
 #[path = "../src/bin/flashray/mesh/mod.rs"]
 #[allow(dead_code)]
 mod mesh;

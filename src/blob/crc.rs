@@ -5,7 +5,7 @@ const TABLE: [u32; 16] = {
     let mut table = [0; 16];
     let mut i = 0;
     while i < 16 {
-        let mut r = i as u32;
+        let mut r = crate::num::count(i);
         let mut bit = 0;
         while bit < 4 {
             r = if r & 1 == 1 { (r >> 1) ^ 0xedb8_8320 } else { r >> 1 };

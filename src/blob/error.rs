@@ -76,6 +76,7 @@ rules! {
 impl Rule {
     /// The rule's number in `docs/format.md`.
     #[must_use]
+    #[allow(clippy::as_conversions)] // an enum's own number
     pub const fn number(self) -> u8 {
         self as u8
     }
@@ -123,6 +124,7 @@ impl Section {
 
     /// The section's number in the table.
     #[must_use]
+    #[allow(clippy::as_conversions)] // an enum's own number
     pub const fn number(self) -> u32 {
         self as u32
     }

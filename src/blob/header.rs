@@ -47,6 +47,13 @@ pub enum Kind {
 pub const KINDS: [(Kind, &str); 2] = [(Kind::List, "list"), (Kind::Bvh, "bvh")];
 
 impl Kind {
+    /// The structure's number in a header.
+    #[must_use]
+    #[allow(clippy::as_conversions)] // an enum's own number
+    pub const fn number(self) -> u32 {
+        self as u32
+    }
+
     /// The structure's name.
     #[must_use]
     pub const fn name(self) -> &'static str {
@@ -93,7 +100,7 @@ impl Header {
     /// The structure, if this library knows it.
     #[must_use]
     pub fn kind(&self) -> Option<Kind> {
-        KINDS.iter().map(|&(kind, _)| kind).find(|&kind| kind as u32 == self.kind)
+        KINDS.iter().map(|&(kind, _)| kind).find(|&kind| kind.number() == self.kind)
     }
 }
 

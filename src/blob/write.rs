@@ -72,7 +72,7 @@ impl Layout {
             magic: MAGIC,
             version: VERSION,
             length: self.length,
-            kind: facts.kind as u32,
+            kind: facts.kind.number(),
             prims: facts.prims,
             stack: facts.stack,
             steps: facts.steps,

@@ -35,7 +35,7 @@ pub const MAX_LEAF: u32 = 15;
 /// Bits of a child's word that hold the primitive count.
 const COUNT_BITS: u32 = 4;
 
-/// A plane of a box, as a row of [`Node::planes`]. An enum, so that `planes[face as usize]` needs no bounds check.
+/// A plane of a box, as a row of [`Node::planes`]. An enum, so that `planes[face.at()]` needs no bounds check.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u8)]
 #[allow(missing_docs)]
@@ -48,11 +48,21 @@ pub enum Face {
     MaxZ,
 }
 
+impl Face {
+    /// Its row.
+    #[inline(always)]
+    #[allow(clippy::as_conversions)] // an enum's own number
+    const fn at(self) -> usize {
+        self as usize
+    }
+}
+
 /// A child: an inner node or a leaf.
 #[repr(transparent)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Pod, Zeroable)]
 pub struct Child(u32);
 
+#[allow(clippy::len_without_is_empty)] // of an inner node one asks whether it is one
 impl Child {
     /// No child: the word of node 0, which is nobody's child.
     pub(super) const NONE: Self = Self(0);

@@ -37,8 +37,8 @@ impl Rows {
     /// The slab test of [`Prepared::slab`] on child `C`, cut to the ray's interval: the same steps in the same order.
     #[inline(always)]
     fn slab<const C: usize>(&self, node: &Node, ray: &Prepared, t_max: f32) -> (f32, f32) {
-        let near = |k: usize, t: f32| most(ray.near(k, node.planes[self.near[k] as usize][C]), t);
-        let far = |k: usize, t: f32| least(ray.far(k, node.planes[self.far[k] as usize][C]), t);
+        let near = |k: usize, t: f32| most(ray.near(k, node.planes[self.near[k].at()][C]), t);
+        let far = |k: usize, t: f32| least(ray.far(k, node.planes[self.far[k].at()][C]), t);
         (near(2, near(1, near(0, ray.t_min))), far(2, far(1, far(0, t_max))))
     }
 }

@@ -123,11 +123,7 @@ impl Cone {
             }
         }
         if self.caps != 0 {
-            for s in local.discs() {
-                if let Some(s) = s {
-                    offer(s);
-                }
-            }
+            local.discs().into_iter().flatten().for_each(offer);
         }
         best
     }

@@ -87,6 +87,7 @@ impl Axis {
     /// Its place in a three-component array.
     #[inline(always)]
     #[must_use]
+    #[allow(clippy::as_conversions)] // an enum's own number
     pub const fn at(self) -> usize {
         self as usize
     }
@@ -142,7 +143,7 @@ impl Prepared {
     /// Prepares `ray` against a scene that lies in `bounds`, whose coordinates are relative to `local`.
     ///
     /// `None` if the ray makes no sense, and then it meets nothing. A direction below 2^-100 in size has no useful inverse
-    /// here: [`Ray::enlarged`] is what to prepare instead.
+    /// here; queries prepare such a ray with a longer one.
     #[inline(always)]
     #[must_use]
     pub fn new(ray: &Ray, bounds: &Aabb, local: Vec3) -> Option<Self> {

@@ -4,7 +4,7 @@ use std::collections::HashMap;
 
 /// An icosahedron, each face split in four `n` times, its corners on a sphere of radius 1.
 pub fn icosphere(n: u32) -> Soup {
-    let g = (1.0 + 5.0f64.sqrt()) / 2.0;
+    let g = f64::midpoint(1.0, 5.0f64.sqrt());
     let mut points: Vec<[f64; 3]> = Vec::new();
     for (a, b) in [(1.0, g), (-1.0, g), (1.0, -g), (-1.0, -g)] {
         points.extend([[0.0, a, b], [a, b, 0.0], [b, 0.0, a]]);

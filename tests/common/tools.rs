@@ -133,7 +133,7 @@ pub static FIXTURES: LazyLock<Vec<Fixture>> = LazyLock::new(|| {
     match bunny.to_str() {
         Some(path) if bunny.is_file() => fixtures.push(fixture("bunny-bvh", path, "bvh", None)),
         _ => {
-            eprintln!("skipped: scene bunny-bvh; there is no {}, a mesh too large for the repository", bunny.display())
+            eprintln!("skipped: scene bunny-bvh; there is no {}, a mesh too large for the repository", bunny.display());
         }
     }
     fixtures

@@ -29,7 +29,7 @@ pub fn unit(a: Vec3) -> Vec3 {
 
 /// Any unit vector square to `a`.
 fn square_to(a: Vec3) -> Vec3 {
-    let smallest = if a[0].abs() < a[1].abs() && a[0].abs() < a[2].abs() { 0 } else { 1 };
+    let smallest = usize::from(a[0].abs() >= a[1].abs() || a[0].abs() >= a[2].abs());
     let mut other = [0.0; 3];
     other[if a[2].abs() < a[smallest].abs() { 2 } else { smallest }] = 1.0;
     unit(cross(a, other))
@@ -59,7 +59,7 @@ impl Camera {
     pub fn frame(bounds: &Aabb, up: Vec3, fov: f32, aspect: f32) -> Self {
         let middle = [0, 1, 2].map(|k| bounds.min[k] / 2.0 + bounds.max[k] / 2.0);
         let half = [0, 1, 2].map(|k| (bounds.max[k] / 2.0 - bounds.min[k] / 2.0).max(f32::MIN_POSITIVE));
-        let direction = if up[1] != 0.0 { [0.55, 0.4, 1.0] } else { [0.55, -1.0, 0.5] };
+        let direction = if up[1] == 0.0 { [0.55, -1.0, 0.5] } else { [0.55, 0.4, 1.0] };
         // In units of the box, so that any scale works; then step back until all corners are in view.
         let size = half[0].max(half[1]).max(half[2]);
         let mut camera = Self::look(add_scaled(middle, size, unit(direction)), middle, up, fov, aspect);

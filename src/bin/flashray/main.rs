@@ -1,5 +1,7 @@
 //! The `flashray` command: builds blobs, looks into them, traces and renders with them.
 #![forbid(unsafe_code)]
+// Pixels, percentages and random numbers: none of these casts reaches an answer.
+#![allow(clippy::cast_possible_truncation, clippy::cast_precision_loss, clippy::cast_sign_loss)]
 
 mod args;
 mod camera;

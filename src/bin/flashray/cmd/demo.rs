@@ -30,14 +30,6 @@ const TILE: (u32, u32) = (320, 320);
 const COLUMNS: u32 = 4;
 const GAP: u32 = 6;
 
-/// What the demo found of one scene.
-struct Row {
-    name: String,
-    facts: Value,
-    wrong: usize,
-    line: String,
-}
-
 pub fn run(args: &Args) -> Result<(), Failure> {
     std::fs::create_dir_all(&args.output).map_err(|e| file::failure(&args.output, &e))?;
     let bar = super::progress("demo", spd::NAMES.len() as u64);
@@ -53,14 +45,14 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     let png = sheet(&tiles).png().map_err(|e| format!("{}: {e}", path.display()))?;
     file::write(&path, &png)?;
     report(args, &rows, &path.display().to_string());
-    match rows.iter().map(|r| r.wrong).sum() {
+    match rows.iter().filter_map(|row| row["wrong"].as_u64()).sum() {
         0 => Ok(()),
         wrong => Err(format!("{wrong} answers differ from the list's")),
     }
 }
 
 /// Builds a scene, writes the blob, loads it back, compares it with the list, and renders it.
-fn scene(args: &Args, name: &str) -> Result<(Row, Picture), Failure> {
+fn scene(args: &Args, name: &str) -> Result<(Value, Picture), Failure> {
     let spd = spd::scene(name)?;
     let build = |kind| to_vec(&spd.soup.mesh(), &Config::new(kind)).map_err(|e| format!("spd:{name}: {e}"));
     let path = args.output.join(format!("{name}.fray"));
@@ -72,29 +64,38 @@ fn scene(args: &Args, name: &str) -> Result<(Row, Picture), Failure> {
     let scene = file::scene(&path, &bytes)?;
     let list = Buffer::from(&build(Kind::List)?[..]);
     let list = file::scene(&path, &list)?;
-    let rays = rays(args, &spd, &scene);
-    let (slow, list_hits) = time(&rays, |ray| list.closest_hit(ray));
-    let (fast, hits) = time(&rays, |ray| scene.closest_hit(ray));
-    let wrong = hits.iter().zip(&list_hits).filter(|(a, b)| encode_hit(a) != encode_hit(b)).count();
+    let mut facts = compare(&scene, &list, &rays(args, &spd, &scene));
     let shape = Shape::new(&scene);
-    let per_prim = bytes.len() as f64 / f64::from(scene.len());
-    let line = format!(
-        "{name:<9}{:>7}{:>10}{per_prim:>7.1}{:>8}{:>6}{:>8.1}{seconds:>8.3}{fast:>9.2}{:>10.0}x{:>8}{wrong:>6}",
-        scene.len(),
-        bytes.len(),
-        shape.nodes,
-        shape.depth,
-        shape.sah_cost,
-        fast / slow,
-        rays.len()
-    );
-    let facts = json!({
-        "scene": name, "primitives": scene.len(), "bytes": bytes.len(), "bytes_per_primitive": per_prim,
-        "nodes": shape.nodes, "depth": shape.depth, "sah_cost": shape.sah_cost, "build_seconds": seconds,
-        "mrays_per_second": fast, "list_mrays_per_second": slow, "rays": rays.len(), "wrong": wrong,
-    });
-    let picture = render(&scene, &camera(&spd), Shade::Normals, TILE, 2, &indicatif::ProgressBar::hidden());
-    Ok((Row { name: name.into(), facts, wrong, line }, picture))
+    facts["scene"] = json!(format!("{}:{}", spd.name, spd.size));
+    facts["primitives"] = json!(scene.len());
+    facts["bytes"] = json!(bytes.len());
+    facts["bytes_per_primitive"] = json!(bytes.len() as f64 / f64::from(scene.len()));
+    facts["nodes"] = json!(shape.nodes);
+    facts["depth"] = json!(shape.depth);
+    facts["sah_cost"] = json!(shape.sah_cost);
+    facts["build_seconds"] = json!(seconds);
+    facts["primary"] = primary(&spd, &scene);
+    let light = spd.lights.first().map(|light| light.map(|x| x as f32));
+    let hidden = indicatif::ProgressBar::hidden();
+    Ok((facts, render(&scene, &camera(&spd), Shade::Normals, TILE, 2, light, &hidden)))
+}
+
+/// How many answers differ from the list's in any bit, and how fast both are.
+fn compare(scene: &Scene<'_>, list: &Scene<'_>, rays: &[Ray]) -> Value {
+    let (slow, truth) = time(rays, |ray| list.closest_hit(ray));
+    let (fast, hits) = time(rays, |ray| scene.closest_hit(ray));
+    let wrong = hits.iter().zip(&truth).filter(|&(&a, &b)| encode_hit(a) != encode_hit(b)).count();
+    json!({ "rays": rays.len(), "wrong": wrong, "mrays_per_second": fast, "list_mrays_per_second": slow })
+}
+
+/// Hits and mean distance over the 513 x 513 rays for which counts are published.
+fn primary(spd: &Spd, scene: &Scene<'_>) -> Value {
+    let rays: Vec<Ray> = spd.view.rays(513).map(|(origin, dir)| Ray::new(origin, dir)).collect();
+    let hits: Vec<f64> = rays.par_iter().filter_map(|ray| scene.closest_hit(ray)).map(|hit| f64::from(hit.t)).collect();
+    let mean = hits.iter().sum::<f64>() / hits.len() as f64;
+    let anchor =
+        spd.anchor.map(|a| json!({ "f64": a.hits_ours, "published": a.hits_published, "mean_t_f64": a.mean_t }));
+    json!({ "hits": hits.len(), "mean_t": mean, "reference": anchor })
 }
 
 fn camera(spd: &Spd) -> Camera {
@@ -143,31 +144,46 @@ fn sheet(tiles: &[Picture]) -> Picture {
     Picture { width, height, pixels }
 }
 
-fn report(args: &Args, rows: &[Row], path: &str) {
+/// Heading, width, decimals and place of each column.
+const TABLE: [(&str, usize, usize, &str); 15] = [
+    ("scene", 12, 0, "/scene"),
+    ("prims", 7, 0, "/primitives"),
+    ("bytes", 9, 0, "/bytes"),
+    ("B/prim", 8, 1, "/bytes_per_primitive"),
+    ("nodes", 7, 0, "/nodes"),
+    ("depth", 7, 0, "/depth"),
+    ("SAH", 8, 2, "/sah_cost"),
+    ("build s", 9, 3, "/build_seconds"),
+    ("Mrays/s", 9, 2, "/mrays_per_second"),
+    ("list", 9, 4, "/list_mrays_per_second"),
+    ("rays", 8, 0, "/rays"),
+    ("wrong", 7, 0, "/wrong"),
+    ("hits", 8, 0, "/primary/hits"),
+    ("f64", 8, 0, "/primary/reference/f64"),
+    ("publ.", 8, 0, "/primary/reference/published"),
+];
+
+fn report(args: &Args, rows: &[Value], path: &str) {
     if args.json {
-        let scenes: Vec<&Value> = rows.iter().map(|r| &r.facts).collect();
-        println!("{}", json!({ "picture": path, "scenes": scenes }));
+        println!("{}", json!({ "picture": path, "scenes": rows }));
         return;
     }
-    println!(
-        "{:<9}{:>7}{:>10}{:>7}{:>8}{:>6}{:>8}{:>8}{:>9}{:>11}{:>8}{:>6}",
-        "scene",
-        "prims",
-        "bytes",
-        "B/prim",
-        "nodes",
-        "depth",
-        "SAH",
-        "build s",
-        "Mrays/s",
-        "over list",
-        "rays",
-        "wrong"
-    );
+    let line = |cell: &dyn Fn(usize, usize, &str, &str) -> String| {
+        let cells: Vec<String> =
+            TABLE.iter().map(|&(head, width, decimals, at)| cell(width, decimals, head, at)).collect();
+        println!("{}", cells.concat());
+    };
+    line(&|width, _, head, _| format!("{head:>width$}"));
     for row in rows {
-        println!("{}", row.line);
+        line(&|width, decimals, _, at| match row.pointer(at) {
+            Some(Value::String(text)) => format!("{text:>width$}"),
+            Some(number) => number.as_f64().map_or(format!("{:>width$}", "-"), |x| format!("{x:>width$.decimals$}")),
+            None => format!("{:>width$}", "-"),
+        });
     }
-    let names: Vec<&str> = rows.iter().map(|r| r.name.as_str()).collect();
-    println!("bvh, closest hits, one thread; every answer compared with the list's, bit by bit.");
-    println!("{path}: {}", names.join(", "));
+    println!(
+        "bvh; Mrays/s are closest hits on one thread, beside the list's; wrong: answers that differ from the list's in"
+    );
+    println!("any bit; hits: of the 513 x 513 primary rays, beside those of the f64 reference and the published ones.");
+    println!("{path}");
 }

@@ -67,7 +67,7 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     let scene = file::scene(&args.file, &bytes)?;
     let start = Instant::now();
     let bar = super::progress("rendering", u64::from(args.size.1));
-    let picture = render(&scene, &camera(args, &scene), args.shade, args.size, args.samples, &bar);
+    let picture = render(&scene, &camera(args, &scene), args.shade, args.size, args.samples, None, &bar);
     bar.finish_and_clear();
     let png = picture.png().map_err(|e| format!("{}: {e}", args.output.display()))?;
     file::write(&args.output, &png)?;
@@ -109,16 +109,18 @@ impl Picture {
     }
 }
 
-/// Renders on all cores.
+/// Renders on all cores. `light` is the direction towards the light that casts shadows, if not the usual one.
 pub fn render(
     scene: &Scene<'_>,
     camera: &Camera,
     shade: Shade,
     (width, height): (u32, u32),
     samples: u32,
+    light: Option<Vec3>,
     bar: &indicatif::ProgressBar,
 ) -> Picture {
-    let shader = Shader::new(scene, camera, shade);
+    let mut shader = Shader::new(scene, camera, shade);
+    shader.light = light.map_or(shader.light, unit);
     let mut pixels = vec![0; width as usize * height as usize * 3];
     pixels.par_chunks_mut(width as usize * 3).enumerate().for_each(|(row, line)| {
         for (column, pixel) in line.chunks_exact_mut(3).enumerate() {

@@ -11,7 +11,7 @@ pub struct Args {
     /// The blob
     #[arg(value_name = "FILE")]
     file: PathBuf,
-    /// Rays: 32 bytes each, little-endian f32: ox oy oz t_min dx dy dz t_max
+    /// Rays: 32 bytes each, little-endian f32: origin x y z, least t, direction x y z, greatest t
     #[arg(long, value_name = "RAYS")]
     rays: PathBuf,
     /// Hits: 16 bytes a ray, t u v (f32) and prim (u32); a miss is +inf 0 0 0xffffffff. With --any one byte, 0 or 1
@@ -83,7 +83,7 @@ fn closest(scene: &Scene<'_>, rays: &[Ray], mode: Mode) -> (Vec<u8>, usize) {
         Mode::Single => rays.iter().zip(hits).for_each(|(ray, hit)| *hit = scene.closest_hit(ray)),
         Mode::Group => scene.closest_hits(rays, hits),
     });
-    (hits.iter().flat_map(encode_hit).collect(), hits.iter().flatten().count())
+    (hits.iter().copied().flat_map(encode_hit).collect(), hits.iter().flatten().count())
 }
 
 fn any(scene: &Scene<'_>, rays: &[Ray], mode: Mode) -> (Vec<u8>, usize) {
@@ -126,7 +126,7 @@ pub fn encode_ray(ray: &Ray) -> [u8; RAY] {
 }
 
 /// An answer's 16 bytes.
-pub fn encode_hit(hit: &Option<Hit>) -> [u8; 16] {
+pub fn encode_hit(hit: Option<Hit>) -> [u8; 16] {
     let hit = hit.unwrap_or(Hit { t: f32::INFINITY, u: 0.0, v: 0.0, prim: u32::MAX });
     let mut bytes = [0; 16];
     let words = [hit.t.to_bits(), hit.u.to_bits(), hit.v.to_bits(), hit.prim];

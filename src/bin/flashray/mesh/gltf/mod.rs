@@ -135,7 +135,7 @@ fn instances(document: &Document) -> Result<Vec<Instance<'_>>, String> {
     // A stack of our own: a deep chain of nodes must not end the call stack.
     while let Some((node, parent)) = waiting.pop() {
         let index = node.index();
-        let local = Transform::of_node(node.transform()).map_err(|why| format!("node {index}: {why}"))?;
+        let local = Transform::of_node(&node.transform()).map_err(|why| format!("node {index}: {why}"))?;
         let world = parent.of_child(&local);
         let mut children = Vec::new();
         for child in node.children() {

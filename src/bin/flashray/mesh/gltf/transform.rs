@@ -10,8 +10,8 @@ impl Transform {
     pub const IDENTITY: Self = Self([[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [0.0, 0.0, 0.0]]);
 
     /// The transform of a node relative to its parent.
-    pub fn of_node(stored: Stored) -> Result<Self, String> {
-        match stored {
+    pub fn of_node(stored: &Stored) -> Result<Self, String> {
+        match *stored {
             Stored::Matrix { matrix } => {
                 let [[a, b, c, p], [d, e, f, q], [g, h, i, r], [x, y, z, s]] =
                     matrix.map(|column| column.map(f64::from));
@@ -74,7 +74,7 @@ mod tests {
 
     /// The transform of a node with these parts.
     fn node(translation: [f32; 3], rotation: [f32; 4], scale: [f32; 3]) -> Transform {
-        Transform::of_node(Stored::Decomposed { translation, rotation, scale }).unwrap()
+        Transform::of_node(&Stored::Decomposed { translation, rotation, scale }).unwrap()
     }
 
     #[test]
@@ -83,7 +83,7 @@ mod tests {
         let found = node([10.0, 20.0, 30.0], [0.0, 0.0, 2.0, 2.0], [2.0, 3.0, 4.0]);
         assert_eq!(found.apply([1.0, 1.0, 1.0]), [7.0, 22.0, 34.0]);
         let matrix = [[0.0, 2.0, 0.0, 0.0], [-3.0, 0.0, 0.0, 0.0], [0.0, 0.0, 4.0, 0.0], [10.0, 20.0, 30.0, 1.0]];
-        assert_eq!(Transform::of_node(Stored::Matrix { matrix }), Ok(found.clone()));
+        assert_eq!(Transform::of_node(&Stored::Matrix { matrix }), Ok(found.clone()));
         let child = node([1.0, 0.0, 0.0], [0.0, 0.0, 0.0, 1.0], [2.0; 3]);
         let both = found.of_child(&child);
         assert_eq!(both.apply([1.0, 2.0, 3.0]), found.apply(child.apply([1.0, 2.0, 3.0])));
