@@ -22,7 +22,7 @@ for input in "$@"; do
   name=$(basename "$input" .obj)
   "$flashray" build "$input" -o "$work/list.fray" --structure list >/dev/null
   "$flashray" rays "$work/list.fray" -o "$work/rays" --count "$rays" >/dev/null
-  "$flashray" rays "$work/list.fray" -o "$work/few" --count $((rays / 500 + 8)) >/dev/null
+  "$flashray" rays "$work/list.fray" -o "$work/few" --count $((rays / 200 + 1000)) >/dev/null
   slow=$(number "$("$flashray" trace "$work/list.fray" --rays "$work/few" -o "$work/few.hits" --threads 1 --json)" mrays_per_second)
   "$flashray" trace "$work/list.fray" --rays "$work/rays" -o "$work/list.hits" >/dev/null
   for rule in seed sah; do

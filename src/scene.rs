@@ -1,7 +1,7 @@
 //! A loaded blob, and the queries on it.
 use crate::blob::prims::{Primitive, Prims};
 use crate::blob::{Blob, BlobError, Kind, Rule, Section};
-use crate::geom::ray::{Prepared, SCALE};
+use crate::geom::ray::Prepared;
 use crate::geom::{Aabb, Hit, Ray};
 use crate::num::count;
 use crate::walk::{Best, Fuel, Meter, Steps, Stop, Tally};
@@ -170,22 +170,6 @@ impl<'a> Scene<'a> {
 
     #[inline]
     fn query<const ANY: bool>(&self, ray: &Ray, meter: &mut impl Meter) -> Result<Option<Hit>, Stop> {
-        if ray.is_tiny() {
-            return self.query_tiny::<ANY>(*ray, meter);
-        }
-        self.query_plain::<ANY>(ray, meter)
-    }
-
-    /// For directions so small that their inverse would overflow.
-    #[cold]
-    #[inline(never)]
-    fn query_tiny<const ANY: bool>(&self, ray: Ray, meter: &mut impl Meter) -> Result<Option<Hit>, Stop> {
-        let hit = self.query_plain::<ANY>(&ray.enlarged(), meter)?;
-        Ok(hit.map(|hit| Hit { t: hit.t * SCALE, ..hit }))
-    }
-
-    #[inline(always)]
-    fn query_plain<const ANY: bool>(&self, ray: &Ray, meter: &mut impl Meter) -> Result<Option<Hit>, Stop> {
         let Some(ray) = Prepared::new(ray, self.bounds, self.local) else {
             return Ok(None);
         };
@@ -197,7 +181,7 @@ impl<'a> Scene<'a> {
             Structure::List => list::walk::<ANY>(&self.prims, &ray, &mut best, meter)?,
             Structure::Bvh(view) => bvh::walk::<ANY>(view, &self.prims, &ray, &mut best, meter)?,
         };
-        Ok(best.hit())
+        Ok(best.hit().map(|hit| Hit { t: hit.t * ray.unit, ..hit }))
     }
 
     /// What bounds every query, as the header says.

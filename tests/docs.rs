@@ -55,6 +55,12 @@ fn the_format_s_tables_are_the_code_s() {
     has(offset_of!(Node, planes), 48, "planes");
     has(offset_of!(Node, child), 8, "child");
     has(offset_of!(Node, reserved), 8, "reserved");
+}
+
+#[test]
+fn the_format_s_sections_and_kinds_are_the_code_s() {
+    let text = read("docs/format.md");
+    let rows = rows(&text);
     assert!(text.contains(&format!("## Section table: {} bytes an entry", size_of::<Entry>())));
     let sizes = [
         (Section::Triangles, size_of::<flashray::Triangle>()),
@@ -89,4 +95,20 @@ fn tables_in_the_source_are_those_of_the_format() {
             assert!(format.contains(&row), "{path}: {row:?} is not in docs/format.md");
         }
     }
+}
+
+#[test]
+fn the_readme_s_example_is_the_quickstart_s_and_its_commands_exist() {
+    let readme = read("README.md");
+    let quickstart = read("examples/quickstart.rs");
+    let example = readme.split("```rust").nth(1).and_then(|rest| rest.split("```").next()).expect("an example");
+    let code = |text: &str| -> Vec<String> {
+        let lines = text.lines().map(str::trim).filter(|l| !l.is_empty() && !l.starts_with("//"));
+        lines.map(str::to_owned).collect()
+    };
+    let (example, quickstart) = (code(example), code(&quickstart));
+    assert_eq!(example, quickstart, "the README's example is not examples/quickstart.rs");
+    let ci = read(".ci/run");
+    assert!(readme.contains("cargo test --features cli"), "the README names the test command");
+    assert!(ci.contains("cargo test --locked --features cli"), "CI runs the README's test command");
 }

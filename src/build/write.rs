@@ -32,41 +32,16 @@ impl Plan<'_> {
     /// Writes the blob into the first bytes of `out`; `None`, and nothing written, if `out` is too short.
     pub(super) fn write<'o>(&self, out: &'o mut [u8]) -> Option<&'o [u8]> {
         let mut writer = self.layout.start(out, &self.facts)?;
-        writer.section(
-            Section::Triangles,
-            self.primitives().filter_map(|p| match p {
-                (_, Primitive::Triangle(p)) => Some(p),
-                _ => None,
-            }),
-        );
-        writer.section(
-            Section::Spheres,
-            self.primitives().filter_map(|p| match p {
-                (_, Primitive::Sphere(p)) => Some(p),
-                _ => None,
-            }),
-        );
-        writer.section(
-            Section::Boxes,
-            self.primitives().filter_map(|p| match p {
-                (_, Primitive::Box(p)) => Some(p),
-                _ => None,
-            }),
-        );
-        writer.section(
-            Section::Cylinders,
-            self.primitives().filter_map(|p| match p {
-                (_, Primitive::Cylinder(p)) => Some(p),
-                _ => None,
-            }),
-        );
-        writer.section(
-            Section::Cones,
-            self.primitives().filter_map(|p| match p {
-                (_, Primitive::Cone(p)) => Some(p),
-                _ => None,
-            }),
-        );
+        macro_rules! only {
+            ($kind:ident) => {
+                self.primitives().filter_map(|(_, p)| if let Primitive::$kind(p) = p { Some(p) } else { None })
+            };
+        }
+        writer.section(Section::Triangles, only!(Triangle));
+        writer.section(Section::Spheres, only!(Sphere));
+        writer.section(Section::Boxes, only!(Box));
+        writer.section(Section::Cylinders, only!(Cylinder));
+        writer.section(Section::Cones, only!(Cone));
         let mut next = [0u32; 8];
         writer.section(
             Section::Refs,

@@ -43,32 +43,6 @@ impl Ray {
         self.t_max = t_max;
         self
     }
-
-    /// Whether the direction is too small for its inverse to be a normal number.
-    #[inline(always)]
-    pub(crate) const fn is_tiny(&self) -> bool {
-        self.dir[0].abs() < SMALL && self.dir[1].abs() < SMALL && self.dir[2].abs() < SMALL
-    }
-
-    /// The same ray with a tiny direction made [`SCALE`] times as long, and its interval as many times shorter: what `t`
-    /// it finds is to be multiplied by that.
-    ///
-    /// Both are exact, because the interval is first cut to where `t` is finite. The interval itself may underflow: its
-    /// ends then round inwards, and it may become empty.
-    #[cold]
-    pub(crate) fn enlarged(&self) -> Self {
-        let (t_min, t_max) = (most(self.t_min, f32::MIN), least(self.t_max, f32::MAX));
-        let (low, high) = (t_min / SCALE, t_max / SCALE);
-        let low = if low * SCALE < t_min { low.next_up() } else { low };
-        let high = if high * SCALE > t_max { high.next_down() } else { high };
-        let nan = self.t_min.is_nan() || self.t_max.is_nan();
-        Self {
-            origin: self.origin,
-            dir: self.dir.map(|d| d * SCALE),
-            t_min: if nan { f32::NAN } else { low },
-            t_max: high,
-        }
-    }
 }
 
 /// A coordinate axis. An enum rather than a number, so that `array[axis as usize]` needs no bounds check.
@@ -111,8 +85,8 @@ const ORIGIN_PAD: f32 = 2.0 / 16_777_216.0;
 
 /// Directions of which no component reaches this are tiny.
 const SMALL: f32 = 1.0 / 1_267_650_600_228_229_401_496_703_205_376.0; // 2^-100
-/// What a tiny direction is multiplied by.
-pub(crate) const SCALE: f32 = 18_446_744_073_709_551_616.0; // 2^64
+/// What a tiny direction is multiplied by, so that its inverse does not overflow.
+const SCALE: f32 = 18_446_744_073_709_551_616.0; // 2^64
 
 /// A ray that makes sense, with what every test of it shares.
 #[derive(Clone, Copy, Debug)]
@@ -137,13 +111,14 @@ pub struct Prepared {
     pub(crate) t_min: f32,
     /// Greatest `t` that counts.
     pub(crate) t_max: f32,
+    /// What a `t` found is to be multiplied by: 1, or [`SCALE`] for a tiny direction.
+    pub(crate) unit: f32,
 }
 
 impl Prepared {
     /// Prepares `ray` against a scene that lies in `bounds`, whose coordinates are relative to `local`.
     ///
-    /// `None` if the ray makes no sense, and then it meets nothing. A direction below 2^-100 in size has no useful inverse
-    /// here; queries prepare such a ray with a longer one.
+    /// `None` if the ray makes no sense, and then it meets nothing.
     #[inline(always)]
     #[must_use]
     pub fn new(ray: &Ray, bounds: &Aabb, local: Vec3) -> Option<Self> {
@@ -151,9 +126,14 @@ impl Prepared {
         let dir = [ray.dir[0] + 0.0, ray.dir[1] + 0.0, ray.dir[2] + 0.0];
         let sizes = [dir[0].abs(), dir[1].abs(), dir[2].abs()];
         let largest = most(sizes[2], most(sizes[1], sizes[0]));
-        if !all_finite(ray.origin, dir) || largest == 0.0 || !(ray.t_min <= ray.t_max) {
+        let (unit, interval) = match largest < SMALL {
+            true => (SCALE, shrunk(ray.t_min, ray.t_max)),
+            false => (1.0, (ray.t_min, ray.t_max)),
+        };
+        if !all_finite(ray.origin, dir) || largest == 0.0 || !(interval.0 <= interval.1) {
             return None;
         }
+        let dir = [dir[0] * unit, dir[1] * unit, dir[2] * unit];
         // Selected, not branched on, here and below: the signs and the order of components are as good as random.
         let kz = if sizes[1] > sizes[0] { Axis::Y } else { Axis::X };
         let kz = if sizes[2] > most(sizes[1], sizes[0]) { Axis::Z } else { kz };
@@ -174,8 +154,9 @@ impl Prepared {
             kx,
             ky,
             shear: [dir[kx.at()] * inv[kz.at()], dir[ky.at()] * inv[kz.at()]],
-            t_min: ray.t_min,
-            t_max: ray.t_max,
+            t_min: interval.0,
+            t_max: interval.1,
+            unit,
         })
     }
 
@@ -235,4 +216,20 @@ impl Prepared {
 #[inline(always)]
 fn all_finite(a: Vec3, b: Vec3) -> bool {
     (a[0] * 0.0 + a[1] * 0.0) + (a[2] * 0.0 + b[0] * 0.0) + (b[1] * 0.0 + b[2] * 0.0) == 0.0
+}
+
+/// The interval of a ray whose direction is multiplied by [`SCALE`].
+///
+/// Scaling a `t` back is exact, because the interval is first cut to where that is finite. The interval itself may
+/// underflow: its ends then round inwards, and it may become empty.
+#[cold]
+fn shrunk(t_min: f32, t_max: f32) -> (f32, f32) {
+    if !(t_min <= t_max) {
+        return (f32::NAN, f32::NAN);
+    }
+    let (t_min, t_max) = (most(t_min, f32::MIN), least(t_max, f32::MAX));
+    let (low, high) = (t_min / SCALE, t_max / SCALE);
+    let low = if low * SCALE < t_min { low.next_up() } else { low };
+    let high = if high * SCALE > t_max { high.next_down() } else { high };
+    (low, high)
 }

@@ -69,14 +69,7 @@ fn one(
         0 => at,
         1 => Ray::new(sub(target, along.map(|x| x * half[axis] * 3.0)), along),
         2 => Ray::new(target, sub(random.point(middle, around), target)),
-        3 => {
-            // In a plane of the scene's box, or of a primitive's.
-            let mut o = from;
-            o[axis] = if random.below(2) == 0 { b.min[axis] } else { target[axis] };
-            let mut d = sub(random.point(middle, half), o);
-            d[axis] = 0.0;
-            Ray::new(o, d)
-        }
+        3 => in_plane(random, axis, b, (from, target), (middle, half)),
         4 => Ray::new(random.point(middle, half), sub(target, middle)),
         5 => {
             let far = [0, 1, 2].map(|k| middle[k] + (from[k] - middle[k]) * 1e6);
@@ -92,6 +85,20 @@ fn one(
         }
         _ => Ray::new(from, sub(random.point(middle, half), from)),
     }
+}
+
+/// A ray in a plane of the scene's box, or of a primitive's.
+fn in_plane(
+    random: &mut Random,
+    axis: usize,
+    b: &flashray::Aabb,
+    (mut from, target): ([f32; 3], [f32; 3]),
+    (middle, half): ([f32; 3], [f32; 3]),
+) -> Ray {
+    from[axis] = if random.below(2) == 0 { b.min[axis] } else { target[axis] };
+    let mut dir = sub(random.point(middle, half), from);
+    dir[axis] = 0.0;
+    Ray::new(from, dir)
 }
 
 /// A vertex, a point on an edge, or a point of the box.

@@ -2,9 +2,9 @@
 //!
 //! Two rules. `Seed`: the node's box is halved along x, y, z in turn, and a primitive goes to the side of its centre;
 //! where that leaves one side empty the other axes are tried. `Sah`: the split of least expected cost, down to single
-//! primitives; then [`reinsert`] moves subtrees to better places, and [`order`] joins small subtrees into leaves where
+//! primitives; then `reinsert` moves subtrees to better places, and `order` joins small subtrees into leaves where
 //! that costs less. Both rules fall back to halving the run by count where they separate nothing, and always do so from
-//! level [`HALVE_FROM`] on, so a tree has at most 32 + 28 levels, and any input ends.
+//! level `HALVE_FROM` on, so a tree has at most 32 + 28 levels, and any input ends.
 //!
 //! Memory: one [`Ref`] (32 bytes) a primitive, at most one node (64 bytes) less than there are primitives.
 

@@ -69,10 +69,9 @@ pub fn run(args: &Args) -> Result<(), Failure> {
         let facts = serde_json::json!({
             "kind": config.kind.name(), "bytes": blob.len(), "primitives": prims, "seconds": seconds,
         });
-        println!("{facts}");
+        file::say(&facts.to_string())
     } else {
         let (kind, bytes, path) = (config.kind.name(), blob.len(), args.output.display());
-        println!("{path}: {kind}, {prims} primitives, {bytes} bytes, built in {seconds:.3} s");
+        file::say(&format!("{path}: {kind}, {prims} primitives, {bytes} bytes, built in {seconds:.3} s"))
     }
-    Ok(())
 }

@@ -17,12 +17,12 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     let result = file::scene(&args.file, &bytes);
     if args.json {
         let error = result.as_ref().err();
-        println!("{}", serde_json::json!({ "ok": error.is_none(), "bytes": bytes.len(), "error": error }));
+        file::say(&serde_json::json!({ "ok": error.is_none(), "bytes": bytes.len(), "error": error }).to_string())?;
     }
     let scene = result?;
     if !args.json {
         let (path, kind, prims) = (args.file.display(), scene.kind().name(), scene.len());
-        println!("{path}: ok: {kind}, {prims} primitives, {} bytes", bytes.len());
+        file::say(&format!("{path}: ok: {kind}, {prims} primitives, {} bytes", bytes.len()))?;
     }
     Ok(())
 }
