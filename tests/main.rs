@@ -17,6 +17,7 @@ mod spd;
 
 mod agree;
 mod blobs;
+mod cli;
 mod common;
 mod docs;
 mod firmware;

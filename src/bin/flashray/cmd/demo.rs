@@ -18,9 +18,9 @@ pub struct Args {
     /// The folder for the contact sheet and the blobs; made if it is not there
     #[arg(short, long, value_name = "DIR", default_value = "flashray-demo")]
     output: PathBuf,
-    /// Rays of each scene that are compared with the list
-    #[arg(long, default_value_t = 20_000)]
-    rays: usize,
+    /// Rays of each scene that are compared with the list, up to 100000000
+    #[arg(long, default_value_t = 20_000, value_parser = clap::value_parser!(u32).range(..=super::rays::MOST))]
+    rays: u32,
     /// Print one JSON object instead of a table
     #[arg(long)]
     json: bool,
@@ -44,7 +44,7 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     let path = args.output.join("contact-sheet.png");
     let png = sheet(&tiles).png().map_err(|e| format!("{}: {e}", path.display()))?;
     file::write(&path, &png)?;
-    report(args, &rows, &path.display().to_string());
+    file::say(&report(args, &rows, &path.display().to_string()))?;
     match rows.iter().filter_map(|row| row["wrong"].as_u64()).sum() {
         0 => Ok(()),
         wrong => Err(format!("{wrong} answers differ from the list's")),
@@ -105,9 +105,9 @@ fn camera(spd: &Spd) -> Camera {
 
 /// Half from the scene's own view, half of the mixed sample.
 fn rays(args: &Args, spd: &Spd, scene: &Scene<'_>) -> Vec<Ray> {
-    let side = ((args.rays / 2) as f64).sqrt().max(2.0) as u32;
+    let side = f64::from(args.rays / 2).sqrt().max(2.0) as u32;
     let view = spd.view.rays(side).map(|(origin, dir)| Ray::new(origin, dir));
-    let sample = super::rays::sample(scene, args.rays.saturating_sub((side * side) as usize), 1);
+    let sample = super::rays::sample(scene, args.rays.saturating_sub(side * side) as usize, 1);
     view.chain(sample).collect()
 }
 
@@ -163,27 +163,25 @@ const TABLE: [(&str, usize, usize, &str); 15] = [
     ("publ.", 8, 0, "/primary/reference/published"),
 ];
 
-fn report(args: &Args, rows: &[Value], path: &str) {
+fn report(args: &Args, rows: &[Value], path: &str) -> String {
     if args.json {
-        println!("{}", json!({ "picture": path, "scenes": rows }));
-        return;
+        return json!({ "picture": path, "scenes": rows }).to_string();
     }
     let line = |cell: &dyn Fn(usize, usize, &str, &str) -> String| {
         let cells: Vec<String> =
             TABLE.iter().map(|&(head, width, decimals, at)| cell(width, decimals, head, at)).collect();
-        println!("{}", cells.concat());
+        cells.concat() + "\n"
     };
-    line(&|width, _, head, _| format!("{head:>width$}"));
+    let mut text = line(&|width, _, head, _| format!("{head:>width$}"));
     for row in rows {
-        line(&|width, decimals, _, at| match row.pointer(at) {
+        text += &line(&|width, decimals, _, at| match row.pointer(at) {
             Some(Value::String(text)) => format!("{text:>width$}"),
             Some(number) => number.as_f64().map_or(format!("{:>width$}", "-"), |x| format!("{x:>width$.decimals$}")),
             None => format!("{:>width$}", "-"),
         });
     }
-    println!(
-        "bvh; Mrays/s are closest hits on one thread, beside the list's; wrong: answers that differ from the list's in"
-    );
-    println!("any bit; hits: of the 513 x 513 primary rays, beside those of the f64 reference and the published ones.");
-    println!("{path}");
+    text += "bvh; Mrays/s are closest hits on one thread, beside the list's; wrong: answers that differ from the \
+             list's in\nany bit; hits: of the 513 x 513 primary rays, beside those of the f64 reference and the \
+             published ones.\n";
+    text + path
 }

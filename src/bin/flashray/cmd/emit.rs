@@ -60,12 +60,11 @@ pub fn run(args: &Args) -> Result<(), Failure> {
             if header == args.output {
                 return Err(format!("{}: the array needs a file of its own, ending in .c", header.display()));
             }
-            file::write(&header, c_header(args, &bytes, &scene, &facts).as_bytes())?;
-            file::write(&args.output, c_array(args, &bytes, &header).as_bytes())?;
+            let (declaration, array) = (c_header(args, &bytes, &scene, &facts), c_array(args, &bytes, &header));
+            file::write_all(&[(&header, declaration.as_bytes()), (&args.output, array.as_bytes())])?;
         }
     }
-    println!("{}: {} bytes", args.output.display(), bytes.len());
-    Ok(())
+    file::say(&format!("{}: {} bytes", args.output.display(), bytes.len()))
 }
 
 /// A module with an aligned static: the bytes as one literal, which compiles fast at any size.

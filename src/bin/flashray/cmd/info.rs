@@ -45,22 +45,24 @@ pub fn run(args: &Args) -> Result<(), Failure> {
             "bounds": { "min": bounds.min, "max": bounds.max }, "local_origin": scene.local_origin(),
             "sections": sections,
         });
-        println!("{facts}");
-        return Ok(());
+        return file::say(&facts.to_string());
     }
-    println!("kind         {}, format version {}", scene.kind().name(), blob.header().version);
-    println!("checksum     {:08x}", blob.header().checksum);
-    println!("bytes        {} ({per_prim:.2} a primitive)", bytes.len());
-    println!("primitives   {}", scene.len());
-    for (name, length) in sections {
-        println!("  {name:<11}{length} ({:.2} a primitive)", f64::from(length) / prims);
-    }
-    println!("nodes        {} with {} leaves, depth {}", shape.nodes, shape.leaves, shape.depth);
-    println!("SAH cost     {:.2}", shape.sah_cost);
-    println!("worst case   stack {} entries, {} steps", limits.stack, limits.steps);
-    println!("bounds       {:?} .. {:?}", bounds.min, bounds.max);
-    println!("local origin {:?}", scene.local_origin());
-    Ok(())
+    let mut lines = vec![
+        format!("kind         {}, format version {}", scene.kind().name(), blob.header().version),
+        format!("checksum     {:08x}", blob.header().checksum),
+        format!("bytes        {} ({per_prim:.2} a primitive)", bytes.len()),
+        format!("primitives   {}", scene.len()),
+    ];
+    let share = |length: u32| f64::from(length) / prims;
+    lines.extend(sections.iter().map(|(name, n)| format!("  {name:<11}{n} ({:.2} a primitive)", share(*n))));
+    lines.extend([
+        format!("nodes        {} with {} leaves, depth {}", shape.nodes, shape.leaves, shape.depth),
+        format!("SAH cost     {:.2}", shape.sah_cost),
+        format!("worst case   stack {} entries, {} steps", limits.stack, limits.steps),
+        format!("bounds       {:?} .. {:?}", bounds.min, bounds.max),
+        format!("local origin {:?}", scene.local_origin()),
+    ]);
+    file::say(&lines.join("\n"))
 }
 
 fn name(section: u32) -> &'static str {
@@ -79,7 +81,9 @@ impl Shape {
             for side in 0..2 {
                 let child = node.child[side];
                 leaves += usize::from(!child.is_node());
-                cost += area(&node.bounds(side)) / whole * f64::from(child.len().max(1));
+                // Of a scene without area nothing can be said but that a ray may meet all of it.
+                let share = if whole > 0.0 { area(&node.bounds(side)) / whole } else { 1.0 };
+                cost += share * f64::from(child.len().max(1));
             }
         }
         Self { nodes: view.nodes.len(), depth: scene.limits().stack, sah_cost: cost, leaves }

@@ -15,21 +15,23 @@ pub struct Args {
     /// The file of rays to write, in the form that `trace` reads
     #[arg(short, long, value_name = "RAYS")]
     output: PathBuf,
-    /// How many
-    #[arg(long, default_value_t = 1_000_000)]
-    count: usize,
+    /// How many, up to 100000000
+    #[arg(long, default_value_t = 1_000_000, value_parser = clap::value_parser!(u32).range(..=MOST))]
+    count: u32,
     /// Where the random numbers start
     #[arg(long, default_value_t = 1)]
     seed: u64,
 }
 
+/// The most rays that are made at a time: their file has 3.2 GB.
+pub const MOST: i64 = 100_000_000;
+
 pub fn run(args: &Args) -> Result<(), Failure> {
     let bytes = file::read(&args.file)?;
     let scene = file::scene(&args.file, &bytes)?;
-    let rays: Vec<u8> = sample(&scene, args.count, args.seed).iter().flat_map(encode_ray).collect();
+    let rays: Vec<u8> = sample(&scene, args.count as usize, args.seed).iter().flat_map(encode_ray).collect();
     file::write(&args.output, &rays)?;
-    println!("{}: {} rays", args.output.display(), args.count);
-    Ok(())
+    file::say(&format!("{}: {} rays", args.output.display(), args.count))
 }
 
 /// `xorshift64*` (Vigna, ACM TOMS 42(4), 2016): the same rays everywhere.

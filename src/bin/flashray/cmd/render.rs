@@ -72,8 +72,7 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     let png = picture.png().map_err(|e| format!("{}: {e}", args.output.display()))?;
     file::write(&args.output, &png)?;
     let ((w, h), seconds) = (args.size, start.elapsed().as_secs_f64());
-    println!("{}: {w} x {h}, {seconds:.2} s", args.output.display());
-    Ok(())
+    file::say(&format!("{}: {w} x {h}, {seconds:.2} s", args.output.display()))
 }
 
 fn camera(args: &Args, scene: &Scene<'_>) -> Camera {

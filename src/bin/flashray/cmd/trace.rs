@@ -23,9 +23,9 @@ pub struct Args {
     /// How rays are handed to the library: the answers are the same
     #[arg(long, value_enum, default_value = "single")]
     mode: Mode,
-    /// Threads; 0 means one per core
-    #[arg(long, default_value_t = 0)]
-    threads: usize,
+    /// Threads, up to 1024; 0 means one per core
+    #[arg(long, default_value_t = 0, value_parser = clap::value_parser!(u32).range(..=1024))]
+    threads: u32,
     /// Print one JSON object instead of a sentence
     #[arg(long)]
     json: bool,
@@ -56,7 +56,7 @@ pub fn run(args: &Args) -> Result<(), Failure> {
         ));
     }
     let rays: Vec<Ray> = rays.par_chunks_exact(RAY).map(decode).collect();
-    let pool = rayon::ThreadPoolBuilder::new().num_threads(args.threads).build();
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(args.threads as usize).build();
     let pool = pool.map_err(|e| format!("{} threads: {e}", args.threads))?;
     let start = Instant::now();
     let (hits, count) =
@@ -69,11 +69,11 @@ pub fn run(args: &Args) -> Result<(), Failure> {
         let facts = serde_json::json!({
             "rays": rays.len(), "hits": count, "seconds": seconds, "mrays_per_second": rate, "threads": threads,
         });
-        println!("{facts}");
+        file::say(&facts.to_string())
     } else {
-        println!("{}: {} rays, {count} hits, {rate:.2} Mrays/s, threads: {threads}", args.output.display(), rays.len());
+        let (path, rays) = (args.output.display(), rays.len());
+        file::say(&format!("{path}: {rays} rays, {count} hits, {rate:.2} Mrays/s, threads: {threads}"))
     }
-    Ok(())
 }
 
 /// Answers in the file's form, and how many rays hit.
