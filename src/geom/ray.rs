@@ -126,10 +126,9 @@ impl Prepared {
         let dir = [ray.dir[0] + 0.0, ray.dir[1] + 0.0, ray.dir[2] + 0.0];
         let sizes = [dir[0].abs(), dir[1].abs(), dir[2].abs()];
         let largest = most(sizes[2], most(sizes[1], sizes[0]));
-        let (unit, interval) = match largest < SMALL {
-            true => (SCALE, shrunk(ray.t_min, ray.t_max)),
-            false => (1.0, (ray.t_min, ray.t_max)),
-        };
+        let tiny = largest < SMALL;
+        let unit = if tiny { SCALE } else { 1.0 };
+        let interval = if tiny { shrunk(ray.t_min, ray.t_max) } else { (ray.t_min, ray.t_max) };
         if !all_finite(ray.origin, dir) || largest == 0.0 || !(interval.0 <= interval.1) {
             return None;
         }
