@@ -69,8 +69,8 @@ fn files_that_end_too_early() {
         ("cut.stl", "the file has 114"),
         ("cut.gltf", "JSON"),
         ("a.gltf", "a.bin"),
-        ("cut.glb", "could not completely read"),
-        ("start.glb", "whole buffer"),
+        ("cut.glb", "cut short: its header says"),
+        ("start.glb", "cut short: a binary glTF header has 12 bytes"),
     ] {
         folder.fails(&format!("build {name} -o out"), &[&format!("flashray: {name}: "), why]);
     }

@@ -51,8 +51,14 @@ pub fn read_binary(data: &[u8], folder: &Path) -> Result<Soup, String> {
     }
     // Bytes after the stated length do not belong to the model, but the crate takes them for a chunk.
     let stated = data.get(8..12).and_then(<[u8]>::first_chunk).copied().map(u32::from_le_bytes);
-    let model = stated.and_then(|length| data.get(..usize::try_from(length).ok()?));
-    read(model.unwrap_or(data), folder)
+    let Some(stated) = stated else {
+        return Err(format!("cut short: a binary glTF header has 12 bytes, the file has {}", data.len()));
+    };
+    let model = usize::try_from(stated).ok().and_then(|length| data.get(..length));
+    let Some(model) = model else {
+        return Err(format!("cut short: its header says {stated} bytes, the file has {}", data.len()));
+    };
+    read(model, folder)
 }
 
 /// Refuses versions and required extensions that are not known, and what the crate finds wrong.
