@@ -47,9 +47,11 @@ impl Rows {
 ///
 /// # Errors
 /// [`Stop`] if the meter runs out or the bytes contradict themselves.
-// Out of line: inlined, the loop shares the registers with whatever surrounds the query, and was 5 to 12 % slower on the
-// host for every kind of ray.
-#[inline(never)]
+// On a host out of line: inlined, the loop shares the registers with whatever surrounds the query, and was 5 to 12 %
+// slower for every kind of ray. On Cortex-M4F it is inlined: out of line it takes 2 % more instructions and 300 bytes
+// more stack.
+#[cfg_attr(feature = "std", inline(never))]
+#[cfg_attr(not(feature = "std"), inline)]
 pub fn walk<const ANY: bool>(
     view: &View<'_>,
     prims: &Prims<'_>,
