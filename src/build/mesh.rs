@@ -86,6 +86,11 @@ impl<'a> Mesh<'a> {
         [self.triangles.len(), self.spheres.len(), self.boxes.len(), self.cylinders.len(), self.cones.len()]
     }
 
+    /// Whether there are primitives that take much longer to test than a triangle.
+    pub(super) const fn has_tubes(&self) -> bool {
+        !(self.cylinders.is_empty() && self.cones.is_empty())
+    }
+
     /// Primitive `number` relative to `local`, and the number of its kind; not checked.
     ///
     /// # Errors

@@ -134,7 +134,7 @@ impl<'p> Plan<'p> {
         let (built, nodes, stack) = match config.kind {
             Kind::List => (Built::List(refs), 0, 0),
             Kind::Bvh => {
-                let tree = bvh::build::build(config, refs, nodes, &bounds)?;
+                let tree = bvh::build::build(config, refs, nodes, &bounds, mesh.has_tubes())?;
                 (Built::Bvh(tree), tree.len, tree.stack)
             }
         };

@@ -13,7 +13,7 @@ mod reinsert;
 
 use super::{Child, MAX_LEAF, Node};
 use crate::blob::MAX_STACK;
-use crate::build::sah::{Choice, halve, sweep};
+use crate::build::sah::{Choice, NODE_COST, NODE_COST_TUBES, halve, sweep};
 use crate::build::{BuildError, Config, Ref, Rule, What};
 use crate::geom::Aabb;
 use crate::num::{count, index};
@@ -64,7 +64,7 @@ impl Place {
     }
 }
 
-/// Builds a tree over `refs`.
+/// Builds a tree over `refs`; `tubes` says that there are cylinders or cones among them.
 ///
 /// # Errors
 /// [`BuildError::Full`] if `nodes` is too short, with the most nodes that any tree could need.
@@ -73,6 +73,7 @@ pub fn build<'n>(
     refs: &'n mut [Ref],
     nodes: &'n mut [Node],
     bounds: &Aabb,
+    tubes: bool,
 ) -> Result<Tree<'n>, BuildError> {
     let made = top_down(config, refs, nodes, bounds)?;
     let rounds = if config.rule == Rule::Sah { config.reinsert } else { 0 };
@@ -84,7 +85,8 @@ pub fn build<'n>(
         }
     }
     let leaf = if config.rule == Rule::Sah { config.leaf } else { 1 };
-    Ok(Tree::new(refs, nodes.get_mut(..made).unwrap_or(&mut []), bounds, leaf))
+    let node_cost = if tubes { NODE_COST_TUBES } else { NODE_COST };
+    Ok(Tree::new(refs, nodes.get_mut(..made).unwrap_or(&mut []), bounds, leaf, node_cost))
 }
 
 /// Splits from the root down, and returns how many nodes that made. Each node's first reserved word is its place.

@@ -5,7 +5,7 @@
 //! written one after the other, each child's number known before it is written.
 use super::Place;
 use crate::build::Ref;
-use crate::build::sah::{NODE_COST, area};
+use crate::build::sah::area;
 use crate::bvh::{Child, Node};
 use crate::geom::Aabb;
 use crate::geom::vec::{size, sub};
@@ -40,11 +40,12 @@ pub fn depth(nodes: &[Node]) -> u32 {
 }
 
 impl<'n> Tree<'n> {
-    /// Joins subtrees of up to `leaf` primitives into leaves where that costs less, and counts.
-    pub(super) fn new(refs: &'n mut [Ref], nodes: &'n mut [Node], bounds: &Aabb, leaf: u32) -> Self {
+    /// Joins subtrees of up to `leaf` primitives into leaves where that costs less, and counts. Visiting a node costs
+    /// as much as `node_cost` primitive tests.
+    pub(super) fn new(refs: &'n mut [Ref], nodes: &'n mut [Node], bounds: &Aabb, leaf: u32, node_cost: f32) -> Self {
         let unit = 1.0 / size(sub(bounds.max, bounds.min));
         if !nodes.is_empty() {
-            Join { refs, nodes, unit, leaf }.run(bounds);
+            Join { refs, nodes, unit, leaf, node_cost }.run(bounds);
         }
         let mut tree = Self { refs, nodes, len: nodes.first().map_or(0, |n| n.reserved[0]), stack: 0 };
         tree.stack = tree.walk().map(|(_, level)| level).fold(0, u32::max);
@@ -123,6 +124,7 @@ struct Join<'j> {
     nodes: &'j mut [Node],
     unit: f32,
     leaf: u32,
+    node_cost: f32,
 }
 
 impl Join<'_> {
@@ -165,7 +167,7 @@ impl Join<'_> {
         let Some(&node) = self.nodes.get(index(at)) else { return Place::ROOT };
         let place = Place(node.reserved[0]);
         let own = self.nodes.get(place.node()).map_or(*bounds, |n| n.bounds(place.side()));
-        let (mut below, mut prims, mut cost) = (1, 0, NODE_COST * area(&own, self.unit));
+        let (mut below, mut prims, mut cost) = (1, 0, self.node_cost * area(&own, self.unit));
         for side in 0..2 {
             let child = node.child[side];
             let inner = self.nodes.get(index(child.number())).filter(|_| child.is_node());
