@@ -36,7 +36,7 @@
 //! the way from a mesh to a blob.
 //!
 //! # Features
-//! - `std` (default): nothing that a query needs.
+//! - `std` (default): the host's own square root. No query needs it, and no answer depends on it.
 //! - `build`: builders into memory that the caller lends. Still no heap.
 //! - `alloc`: builders that size themselves and return a `Vec<u8>`.
 //! - `cli`: the `flashray` command.

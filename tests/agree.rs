@@ -112,6 +112,28 @@ fn a_local_origin_moves_the_scene_and_not_the_answers() {
     }
 }
 
+proptest::proptest! {
+    // Small whole numbers make what random floats never do: shared vertices, flat boxes, rays in planes and along edges.
+    #[test]
+    fn any_small_soup(
+        corners in proptest::collection::vec(proptest::array::uniform3(-3i8..4), 3..24),
+        faces in proptest::collection::vec(proptest::array::uniform3(0usize..24), 0..40),
+        rays in proptest::collection::vec((proptest::array::uniform3(-6i8..7), proptest::array::uniform3(-3i8..4)), 1..40),
+    ) {
+        let single = |p: [i8; 3]| p.map(f32::from);
+        let soup = Soup {
+            positions: corners.iter().copied().map(single).collect(),
+            triangles: faces.iter().map(|f| f.map(|i| (i % corners.len()) as u32)).collect(),
+            ..Soup::default()
+        };
+        let blobs: Vec<_> = configs().iter().map(|c| build(&soup, c)).collect();
+        let scenes: Vec<_> = blobs.iter().map(|b| Scene::from_bytes(b).expect("a good blob")).collect();
+        for (origin, dir) in rays {
+            same("soup", &scenes, &Ray::new(single(origin), single(dir)));
+        }
+    }
+}
+
 #[test]
 fn many_rays_at_once_get_the_same_answers() {
     let soup = icosphere(3);

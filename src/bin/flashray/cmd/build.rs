@@ -58,11 +58,14 @@ impl Args {
 }
 
 pub fn run(args: &Args) -> Result<(), Failure> {
+    let spinner = super::spinner("reading");
     let soup = input::read_all(&args.inputs)?;
+    spinner.set_message("building");
     let start = Instant::now();
     let config = args.config();
     let blob = to_vec(&soup.mesh(), &config).map_err(|e| format!("{}: {e}", args.inputs.join(" ")))?;
     let seconds = start.elapsed().as_secs_f64();
+    spinner.finish_and_clear();
     file::write(&args.output, &blob)?;
     let prims = soup.mesh().len().unwrap_or(0);
     if args.json {

@@ -8,16 +8,23 @@ pub mod rays;
 pub mod render;
 pub mod trace;
 
-use indicatif::{ProgressBar, ProgressStyle};
+use indicatif::{ProgressBar, ProgressFinish, ProgressStyle};
 
 /// A progress bar on a terminal's stderr, and nothing elsewhere; it appears after a moment.
 fn progress(what: &'static str, len: u64) -> ProgressBar {
     let style = ProgressStyle::with_template("{msg} [{bar:40}] {percent}% {eta}");
-    let bar = ProgressBar::new(len).with_message(what);
+    let bar = ProgressBar::new(len).with_message(what).with_finish(ProgressFinish::AndClear);
     match style {
         Ok(style) => bar.with_style(style),
         Err(_) => bar,
     }
+}
+
+/// The same for work whose length nobody knows.
+fn spinner(what: &'static str) -> ProgressBar {
+    let bar = ProgressBar::new_spinner().with_message(what).with_finish(ProgressFinish::AndClear);
+    bar.enable_steady_tick(std::time::Duration::from_millis(250));
+    bar
 }
 
 /// Seconds and a number of things as millions of things a second.
