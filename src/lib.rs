@@ -31,8 +31,8 @@
 //!
 //! # Reading order
 //! [`geom`] states the contract that every answer keeps, and holds the tests of a ray against one primitive. [`blob`] is
-//! the container and its checks. [`walk`] is what all walks share; [`list`] and [`bvh`] are the structures, each with its
-//! layout and check in `mod.rs`, its loop in `walk.rs` and its builder in `build.rs`. [`Scene`] joins them. [`mod@build`] is
+//! the container and its checks. [`walk`] is what all walks share; [`list`] and [`bvh`] are the structures; of
+//! [`bvh`], layout and check are in `mod.rs`, the loop in `walk.rs` and the builder in `build`. [`Scene`] joins them. [`mod@build`] is
 //! the way from a mesh to a blob.
 //!
 //! # Features

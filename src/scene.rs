@@ -26,7 +26,8 @@ enum Structure<'a> {
 
 /// A scene read in place: it borrows the blob, owns nothing, and can be copied.
 ///
-/// Queries never panic, never allocate, and stop within [`Scene::limits`], whatever the ray and whatever the bytes.
+/// Queries never panic, never allocate, and stop within as many steps as there are nodes and primitives, whatever the ray
+/// and whatever the bytes.
 ///
 /// ```
 /// # #[cfg(feature = "alloc")] {
@@ -58,7 +59,7 @@ impl<'a> Scene<'a> {
     /// `bytes` must start at a multiple of 4 in memory; at a multiple of 64 it is fastest.
     ///
     /// # Errors
-    /// The first rule of `docs/format.md` that the blob breaks, and where.
+    /// A rule of `docs/format.md` that the blob breaks, and where.
     pub fn from_bytes(bytes: &'a [u8]) -> Result<Self, BlobError> {
         let blob = Blob::parse(bytes)?;
         let scene = Self::parse(&blob)?;
@@ -74,7 +75,7 @@ impl<'a> Scene<'a> {
     /// itself carries.
     ///
     /// # Errors
-    /// The first of rules 1 to 13 that the blob breaks.
+    /// One of rules 1 to 13 or 24, if the blob breaks any.
     pub fn trust(bytes: &'a [u8]) -> Result<Self, BlobError> {
         Self::parse(&Blob::parse(bytes)?)
     }
@@ -84,30 +85,34 @@ impl<'a> Scene<'a> {
         let kind = header.kind().ok_or(BlobError::new(Rule::KindKnown, Section::Header))?;
         let prims = Prims::parse(blob)?;
         let (structure, nodes) = match kind {
-            Kind::List => (Structure::List, 0),
+            Kind::List => {
+                if let Some(i) = blob.entries().iter().position(|e| e.section == Section::BvhNodes.number()) {
+                    let error = BlobError::new(Rule::SectionOrder, Section::Table).at(count(i));
+                    return Err(error.found(Section::BvhNodes.number()));
+                }
+                (Structure::List, 0)
+            }
             Kind::Bvh => {
                 let view = bvh::View::parse(blob)?;
                 (Structure::Bvh(view), count(view.nodes.len()))
             }
         };
         let fuel = nodes.saturating_add(prims.len);
+        if header.steps != fuel {
+            return Err(BlobError::new(Rule::StepsTrue, Section::Header).found(header.steps).needed(fuel));
+        }
         let limits = Limits { stack: header.stack, steps: header.steps };
         Ok(Self { prims, structure, bounds: &header.bounds, local: header.local, kind, fuel, limits })
     }
 
     fn check(&self, blob: &Blob<'a>) -> Result<(), BlobError> {
         self.prims.check(self.bounds)?;
-        let (stack, steps) = match &self.structure {
-            Structure::List => (0, self.prims.len),
-            Structure::Bvh(view) => view.check(&self.prims, self.bounds)?,
+        let (stack, header) = match &self.structure {
+            Structure::List => (0, blob.header()),
+            Structure::Bvh(view) => (view.check(&self.prims, self.bounds)?, blob.header()),
         };
-        let header = blob.header();
-        let agree = |rule, found: u32, needed: u32| {
-            let error = BlobError::new(rule, Section::Header).found(found).needed(needed);
-            if found == needed { Ok(()) } else { Err(error) }
-        };
-        agree(Rule::StackTrue, header.stack, stack)?;
-        agree(Rule::StepsTrue, header.steps, steps)
+        let error = BlobError::new(Rule::StackTrue, Section::Header).found(header.stack).needed(stack);
+        if header.stack == stack { Ok(()) } else { Err(error) }
     }
 
     /// The hit with the least `t` in the ray's interval; among equal `t`, the one with the least primitive number.
@@ -143,7 +148,11 @@ impl<'a> Scene<'a> {
     /// # }
     /// ```
     pub fn closest_hit_within(&self, ray: &Ray, fuel: u32) -> Result<Option<Hit>, Stop> {
-        self.query::<false>(ray, &mut Fuel(fuel))
+        match self.query::<false>(ray, &mut Fuel(fuel.min(self.fuel))) {
+            // More than there are nodes and primitives: some must have been visited twice.
+            Err(Stop::Fuel) if fuel >= self.fuel => Err(Stop::Corrupt),
+            answer => answer,
+        }
     }
 
     /// [`Scene::closest_hit`] together with what it cost.
@@ -184,7 +193,8 @@ impl<'a> Scene<'a> {
         Ok(best.hit().map(|hit| Hit { t: hit.t * ray.unit, ..hit }))
     }
 
-    /// What bounds every query, as the header says.
+    /// What bounds every query. After [`Scene::trust`] the stack is only what the header claims; no walk uses more than
+    /// [`MAX_STACK`](crate::blob::MAX_STACK) entries.
     #[must_use]
     pub const fn limits(&self) -> Limits {
         self.limits

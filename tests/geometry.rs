@@ -220,6 +220,39 @@ fn cylinders_and_cones_are_those_of_f64() {
 }
 
 #[test]
+fn the_box_of_a_nearly_axis_parallel_cone_holds_it() {
+    for exponent in 0..24 {
+        let tilt = 2.0f32.powi(-exponent);
+        for k in 0..3 {
+            let mut top = [0.0; 3];
+            (top[k], top[(k + 1) % 3]) = (1.0, tilt);
+            let b = Cylinder::capped([0.0; 3], top, 1.0).as_cone().bounds();
+            let sine = f64::from(tilt) / (1.0 + f64::from(tilt).powi(2)).sqrt();
+            let reach = -f64::from(b.min[k]);
+            assert!(reach >= sine && reach <= sine * 1.000_01, "tilt {tilt}: {reach} for {sine}");
+        }
+    }
+}
+
+#[test]
+fn corners_of_any_size_on_one_line_have_no_area() {
+    let mut random = Random::new(12);
+    for _ in 0..2000 {
+        let d = random.point([0.0; 3], [1.0; 3]);
+        let at = |e: i32| d.map(|x| x * 2.0f32.powi(e));
+        let corners = [at(-(random.below(40) as i32)), d, at(1 + random.below(8) as i32)];
+        let soup = Soup { positions: corners.to_vec(), triangles: vec![[0, 1, 2]], ..Soup::default() };
+        let blob = build(&soup, &configs()[0]);
+        let scene = Scene::from_bytes(&blob).expect("a good blob");
+        for _ in 0..20 {
+            let (from, share) = (random.point([0.0; 3], [9.0; 3]), random.unit() * 4.0);
+            let dir = [0, 1, 2].map(|k| d[k] * share - from[k]);
+            assert_eq!(scene.closest_hit(&Ray::new(from, dir)), None, "{corners:?}");
+        }
+    }
+}
+
+#[test]
 fn spheres_and_boxes_are_those_of_f64() {
     let sphere = Sphere { center: [0.3, -0.2, 0.1], radius: 1.2 };
     compare(&Soup { spheres: vec![sphere], ..Soup::default() }, |ray| {

@@ -39,10 +39,12 @@ pub fn seal(bytes: &mut [u8]) {
     put(bytes, CHECKSUM, sum);
 }
 
-/// The true stack and steps too, where the structure is sound enough to have them.
+/// The true steps too, and the true stack where the structure is sound enough to have one.
 pub fn mend(bytes: &mut [u8]) {
     if let Some((stack, steps)) = truth(bytes) {
-        put(bytes, STACK, stack);
+        if let Some(stack) = stack {
+            put(bytes, STACK, stack);
+        }
         put(bytes, STEPS, steps);
     }
     seal(bytes);
@@ -59,12 +61,15 @@ pub fn tighten(bytes: &mut [u8]) {
     }
 }
 
-fn truth(bytes: &[u8]) -> Option<(u32, u32)> {
+fn truth(bytes: &[u8]) -> Option<(Option<u32>, u32)> {
     let blob = Blob::parse(bytes).ok()?;
     let prims = Prims::parse(&blob).ok()?;
     match blob.header().kind()? {
-        Kind::List => Some((0, prims.len)),
-        Kind::Bvh => View::parse(&blob).ok()?.check(&prims, &blob.header().bounds).ok(),
+        Kind::List => Some((Some(0), prims.len)),
+        Kind::Bvh => {
+            let view = View::parse(&blob).ok()?;
+            Some((view.check(&prims, &blob.header().bounds).ok(), view.nodes.len() as u32 + prims.len))
+        }
         _ => None,
     }
 }

@@ -37,12 +37,12 @@ rules! {
     KindKnown = 6, "the structure is known";
     /// Reserved words are 0.
     Reserved = 7, "reserved words are 0";
-    /// Sections are known and in ascending order of number.
-    SectionOrder = 8, "sections are known and in ascending order";
+    /// Sections belong to the structure and are in ascending order of number.
+    SectionOrder = 8, "sections belong to the structure and are in ascending order";
     /// Each section starts at the first multiple of 64 after what is before it, and the last one ends the blob.
     SectionPlace = 9, "sections follow each other at multiples of 64 and end with the blob";
-    /// A section holds a whole number of entries.
-    SectionLength = 10, "a section holds a whole number of entries";
+    /// A section holds a whole number of entries, at least one.
+    SectionLength = 10, "a section holds a whole number of entries, at least one";
     /// Bounds and local origin are finite and ordered.
     Bounds = 11, "bounds and local origin are finite and ordered";
     /// The walk's stack is within the library's.

@@ -183,6 +183,9 @@ fn parse_entries(entries: &[Entry], mut end: u32, length: u32) -> Result<(), Blo
         if !known || entry.section <= last {
             return Err(broken(Rule::SectionOrder).found(entry.section).needed(last.saturating_add(1)));
         }
+        if entry.length == 0 {
+            return Err(broken(Rule::SectionLength).needed(1));
+        }
         let place = align(end).ok_or(broken(Rule::SectionPlace).found(entry.offset))?;
         if entry.offset != place {
             return Err(broken(Rule::SectionPlace).found(entry.offset).needed(place));

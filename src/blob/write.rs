@@ -104,7 +104,7 @@ impl<'o> Writer<'_, 'o> {
         };
         let (start, len) = (index(entry.offset), index(entry.length));
         let place = self.bytes.get_mut(start..).and_then(|b| b.get_mut(..len)).unwrap_or(&mut []);
-        for (place, item) in place.chunks_exact_mut(size_of::<T>()).zip(items) {
+        for (place, item) in place.chunks_exact_mut(size_of::<T>().max(1)).zip(items) {
             place.copy_from_slice(bytemuck::bytes_of(&item));
         }
     }

@@ -132,11 +132,37 @@ impl<'a> Mesh<'a> {
     }
 }
 
-/// Whether the corners are not on one line, as f64 sees it: exactly, for corners of similar size.
-///
-/// True for NaN, which is not this function's to judge.
+/// Whether the corners are not on one line, exactly. True for NaN, which is not this function's to judge.
 fn has_area([a, b, c]: [Vec3; 3]) -> bool {
-    let from_a = |p: Vec3, k: usize| wide(p[k]) - wide(a[k]);
-    let cross = |i: usize, j: usize| from_a(b, i) * from_a(c, j) - from_a(b, j) * from_a(c, i);
-    cross(0, 1) != 0.0 || cross(1, 2) != 0.0 || cross(2, 0) != 0.0
+    // Products of two f32 are exact in f64.
+    let product = |p: Vec3, i: usize, q: Vec3, j: usize| wide(p[i]) * wide(q[j]);
+    let cross = |i: usize, j: usize| {
+        [
+            product(b, i, c, j),
+            -product(b, j, c, i),
+            product(c, i, a, j),
+            -product(c, j, a, i),
+            product(a, i, b, j),
+            -product(a, j, b, i),
+        ]
+    };
+    !(sum_is_zero(cross(0, 1)) && sum_is_zero(cross(1, 2)) && sum_is_zero(cross(2, 0)))
+}
+
+/// Whether the numbers add up to 0, without rounding: the sum is kept as parts that do not overlap (Shewchuk, "Adaptive
+/// Precision Floating-Point Arithmetic", Discrete and Computational Geometry 18, 1997, grow-expansion).
+fn sum_is_zero(terms: [f64; 6]) -> bool {
+    let mut parts = [0.0f64; 6];
+    for (n, mut rest) in terms.into_iter().enumerate() {
+        for part in parts.iter_mut().take(n) {
+            let sum = rest + *part;
+            let took = sum - rest;
+            *part = (rest - (sum - took)) + (*part - took);
+            rest = sum;
+        }
+        if let Some(last) = parts.get_mut(n) {
+            *last = rest;
+        }
+    }
+    parts.iter().all(|&part| part == 0.0)
 }

@@ -57,7 +57,7 @@ pub struct Needs {
     pub refs: usize,
     /// Entries of [`Arena::nodes`].
     pub nodes: usize,
-    /// Bytes of the blob.
+    /// Bytes of the blob; `usize::MAX` if the most nodes would make it 4 GiB or longer.
     pub bytes: usize,
 }
 
@@ -65,15 +65,15 @@ impl Needs {
     /// What a mesh and a configuration can need at most.
     ///
     /// # Errors
-    /// [`BuildError::TooLarge`] if the blob could not be addressed with 32 bits.
+    /// [`BuildError::TooLarge`] if there are 2^28 primitives or more.
     pub fn new(mesh: &Mesh<'_>, config: &Config) -> Result<Self, BuildError> {
         let prims = mesh.len()?;
         let nodes = match config.kind {
             Kind::List => 0,
             Kind::Bvh => bvh::build::most_nodes(prims),
         };
-        let layout = write::layout(mesh, nodes, config.kind)?;
-        Ok(Self { refs: crate::num::index(prims), nodes: crate::num::index(nodes), bytes: layout.len() })
+        let bytes = write::layout(mesh, nodes, config.kind).map_or(usize::MAX, |layout| layout.len());
+        Ok(Self { refs: crate::num::index(prims), nodes: crate::num::index(nodes), bytes })
     }
 }
 

@@ -94,7 +94,8 @@ fn best_split(refs: &mut [Ref], bounds: &Aabb) -> Option<Split> {
     best
 }
 
-/// Half the surface area, with lengths in units of `1 / unit`: no overflow at any scale.
+/// Half the surface area, with lengths in units of `1 / unit`: neither overflow nor underflow while the
+/// box's sides are normal numbers.
 pub fn area(bounds: &Aabb, unit: f32) -> f32 {
     let [x, y, z] = sub(bounds.max, bounds.min);
     let (x, y, z) = (x * unit, y * unit, z * unit);

@@ -1,6 +1,6 @@
 //! Axis-aligned boxes, as bounds and as primitives.
 use super::ray::Prepared;
-use super::vec::{Vec3, finite, least3, most, most3, sub};
+use super::vec::{Vec3, finite, least3, most, most3};
 use bytemuck::{Pod, Zeroable};
 
 /// An axis-aligned box: the points between `min` and `max`, both included.
@@ -47,14 +47,6 @@ impl Aabb {
     pub fn is_valid(&self) -> bool {
         let ordered = |k: usize| self.min[k] <= self.max[k];
         finite(self.min) && finite(self.max) && ordered(0) && ordered(1) && ordered(2)
-    }
-
-    /// Half the surface area, the weight of a box in the surface-area heuristic; 0 if empty.
-    #[inline]
-    #[must_use]
-    pub fn half_area(&self) -> f32 {
-        let [x, y, z] = sub(self.max, self.min);
-        if x < 0.0 { 0.0 } else { x * y + (y * z + z * x) }
     }
 
     /// The nearest wall crossed in `[t_min, t_max]`. The walls are met where the exact slabs, without the pad, say.

@@ -100,8 +100,9 @@ impl Cone {
         // In units of the axis, so that its square can not overflow or vanish.
         let unit = scale(axis, 1.0 / most(size(axis), f32::MIN_POSITIVE));
         let square = most(dot(unit, unit), f32::MIN_POSITIVE);
-        let reach = |k: usize| sqrt(most(1.0 - unit[k] * unit[k] / square, 0.0)) * OUTWARD;
-        let reach = [reach(0), reach(1), reach(2)];
+        // The sine of the angle between the axis and a coordinate axis, from the other two: 1 - cosine^2 would cancel.
+        let reach = |i: usize, j: usize| sqrt((unit[i] * unit[i] + unit[j] * unit[j]) / square) * OUTWARD;
+        let reach = [reach(1, 2), reach(2, 0), reach(0, 1)];
         let circle = |c: Vec3, r: f32| Aabb { min: add_scaled(c, -r, reach), max: add_scaled(c, r, reach) };
         circle(self.base, self.base_radius).join(&circle(self.top, self.top_radius))
     }

@@ -22,7 +22,7 @@
 //!    from 1e-42 to 1e30. Beyond that range answers are still the same everywhere, and still those of the list, but a
 //!    crossing may be lost.
 //! 5. Only `+ - * /` and square root reach a result, in the order written, never contracted. Minimum and maximum are
-//!    compare-and-select with the operand that is never NaN second.
+//!    compare-and-select, in an order that says what becomes of a NaN.
 //!
 //! `f32::min`, `max` and fused multiply-add are therefore absent by rule, not by accident.
 

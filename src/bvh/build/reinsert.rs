@@ -14,16 +14,20 @@ use crate::geom::Aabb;
 use crate::geom::vec::{size, sub};
 use crate::num::{count, index};
 
-/// Takes every subtree out and puts it back, so many times.
+/// Takes every subtree below the root's children out and puts it back, so many times or until nothing moves.
 pub fn improve(nodes: &mut [Node], bounds: &Aabb, rounds: u32) {
     // Areas in units of the scene, so that they neither overflow nor vanish.
     let unit = 1.0 / size(sub(bounds.max, bounds.min));
     let mut tree = Links { nodes, unit };
     for _ in 0..rounds {
+        let mut moved = false;
         for node in 1..count(tree.nodes.len()) {
             for side in 0..2 {
-                tree.reinsert(Place::new(node, side));
+                moved |= tree.reinsert(Place::new(node, side));
             }
+        }
+        if !moved {
+            return;
         }
     }
 }
@@ -75,12 +79,12 @@ impl Links<'_> {
         }
     }
 
-    /// Takes out the subtree at a place, and puts it where it costs least.
-    fn reinsert(&mut self, place: Place) {
+    /// Takes out the subtree at a place, and puts it where it costs least. Returns whether that is another place.
+    fn reinsert(&mut self, place: Place) -> bool {
         let node = place.node();
         let above = self.place(node);
         if above == Place::ROOT {
-            return;
+            return false;
         }
         let (moved, bounds) = (self.child(place), self.bounds(place));
         let (sibling, sibling_bounds) = (self.child(place.sibling()), self.bounds(place.sibling()));
@@ -94,6 +98,7 @@ impl Links<'_> {
         self.set(Place::new(count(node), 0), other, &other_bounds);
         self.set(Place::new(count(node), 1), moved, &bounds);
         self.refit(target.node());
+        target != above
     }
 
     /// What the boxes above a place would grow by, were `bounds` put there, and its own with `bounds` in it.
