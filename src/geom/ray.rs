@@ -1,6 +1,6 @@
 //! Rays, and what is computed once per ray.
 use super::aabb::Aabb;
-use super::vec::{Vec3, least, most, size, sub};
+use super::vec::{Vec3, least, most, scale, size, sub};
 
 /// A ray: the points `origin + t dir` for `t` in `[t_min, t_max]`, both ends included.
 ///
@@ -126,13 +126,15 @@ impl Prepared {
         let dir = [ray.dir[0] + 0.0, ray.dir[1] + 0.0, ray.dir[2] + 0.0];
         let sizes = [dir[0].abs(), dir[1].abs(), dir[2].abs()];
         let largest = most(sizes[2], most(sizes[1], sizes[0]));
-        let tiny = largest < SMALL;
-        let unit = if tiny { SCALE } else { 1.0 };
-        let interval = if tiny { shrunk(ray.t_min, ray.t_max) } else { (ray.t_min, ray.t_max) };
-        if !all_finite(ray.origin, dir) || largest == 0.0 || !(interval.0 <= interval.1) {
+        // Behind a branch: a factor of 1, selected and multiplied, would delay every ray's inverse.
+        let (dir, (t_min, t_max), unit) = if largest < SMALL {
+            (scale(dir, SCALE), shrunk(ray.t_min, ray.t_max), SCALE)
+        } else {
+            (dir, (ray.t_min, ray.t_max), 1.0)
+        };
+        if !all_finite(ray.origin, dir) || largest == 0.0 || !(t_min <= t_max) {
             return None;
         }
-        let dir = [dir[0] * unit, dir[1] * unit, dir[2] * unit];
         // Selected, not branched on, here and below: the signs and the order of components are as good as random.
         let kz = if sizes[1] > sizes[0] { Axis::Y } else { Axis::X };
         let kz = if sizes[2] > most(sizes[1], sizes[0]) { Axis::Z } else { kz };
@@ -153,8 +155,8 @@ impl Prepared {
             kx,
             ky,
             shear: [dir[kx.at()] * inv[kz.at()], dir[ky.at()] * inv[kz.at()]],
-            t_min: interval.0,
-            t_max: interval.1,
+            t_min,
+            t_max,
             unit,
         })
     }
@@ -222,6 +224,7 @@ fn all_finite(a: Vec3, b: Vec3) -> bool {
 /// Scaling a `t` back is exact, because the interval is first cut to where that is finite. The interval itself may
 /// underflow: its ends then round inwards, and it may become empty.
 #[cold]
+#[inline(never)]
 fn shrunk(t_min: f32, t_max: f32) -> (f32, f32) {
     if !(t_min <= t_max) {
         return (f32::NAN, f32::NAN);
