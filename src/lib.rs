@@ -51,6 +51,7 @@ pub mod blob;
 pub mod build;
 pub mod bvh;
 pub mod geom;
+pub mod grid;
 pub mod list;
 mod num;
 mod scene;

@@ -3,7 +3,13 @@
 //! Indices in a blob are `u32`; slices want `usize`. Targets whose `usize` is narrower than 32 bits are refused below,
 //! which makes [`index`] lossless. No index is ever trusted for memory safety: it goes through `get`.
 
-#![allow(clippy::as_conversions, clippy::cast_possible_truncation, clippy::cast_precision_loss, clippy::cast_lossless)]
+#![allow(
+    clippy::as_conversions,
+    clippy::cast_possible_truncation,
+    clippy::cast_precision_loss,
+    clippy::cast_lossless,
+    clippy::cast_sign_loss
+)]
 
 #[cfg(target_pointer_width = "16")]
 compile_error!("flashray needs a usize of at least 32 bits");
@@ -28,6 +34,20 @@ pub const fn count(n: usize) -> u32 {
 #[must_use]
 pub const fn weight(n: usize) -> f32 {
     n as f32
+}
+
+/// A small number as f32; exact to 2^24.
+#[inline(always)]
+#[must_use]
+pub const fn float(n: u32) -> f32 {
+    n as f32
+}
+
+/// The whole part of a number from 0; 0 for NaN, `u32::MAX` for what is larger.
+#[inline(always)]
+#[must_use]
+pub const fn floor(x: f32) -> u32 {
+    x as u32
 }
 
 /// An exact f32 as f64.

@@ -4,8 +4,9 @@ use crate::blob::{Blob, BlobError, Kind, Rule, Section};
 use crate::geom::ray::Prepared;
 use crate::geom::{Aabb, Hit, Ray};
 use crate::num::count;
+use crate::walk::mailbox::{Mailbox, NoMailbox};
 use crate::walk::{Best, Fuel, Meter, Steps, Stop, Tally};
-use crate::{bvh, list};
+use crate::{bvh, grid, list};
 
 /// What bounds every query on a blob.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -22,6 +23,7 @@ pub struct Limits {
 enum Structure<'a> {
     List,
     Bvh(bvh::View<'a>),
+    Grid(grid::View<'a>),
 }
 
 /// A scene read in place: it borrows the blob, owns nothing, and can be copied.
@@ -75,7 +77,7 @@ impl<'a> Scene<'a> {
     /// itself carries.
     ///
     /// # Errors
-    /// One of rules 1 to 13 or 24, if the blob breaks any.
+    /// One of rules 1 to 13, 24 or 25, if the blob breaks any.
     pub fn trust(bytes: &'a [u8]) -> Result<Self, BlobError> {
         Self::parse(&Blob::parse(bytes)?)
     }
@@ -84,20 +86,17 @@ impl<'a> Scene<'a> {
         let header = blob.header();
         let kind = header.kind().ok_or(BlobError::new(Rule::KindKnown, Section::Header))?;
         let prims = Prims::parse(blob)?;
-        let (structure, nodes) = match kind {
-            Kind::List => {
-                if let Some(i) = blob.entries().iter().position(|e| e.section == Section::BvhNodes.number()) {
-                    let error = BlobError::new(Rule::SectionOrder, Section::Table).at(count(i));
-                    return Err(error.found(Section::BvhNodes.number()));
-                }
-                (Structure::List, 0)
-            }
+        let (structure, fuel) = match kind {
+            Kind::List => (Structure::List, prims.len),
             Kind::Bvh => {
                 let view = bvh::View::parse(blob)?;
-                (Structure::Bvh(view), count(view.nodes.len()))
+                (Structure::Bvh(view), count(view.nodes.len()).saturating_add(prims.len))
+            }
+            Kind::Grid => {
+                let view = grid::View::parse(blob)?;
+                (Structure::Grid(view), view.steps())
             }
         };
-        let fuel = nodes.saturating_add(prims.len);
         if header.steps != fuel {
             return Err(BlobError::new(Rule::StepsTrue, Section::Header).found(header.steps).needed(fuel));
         }
@@ -107,9 +106,11 @@ impl<'a> Scene<'a> {
 
     fn check(&self, blob: &Blob<'a>) -> Result<(), BlobError> {
         self.prims.check(self.bounds)?;
-        let (stack, header) = match &self.structure {
-            Structure::List => (0, blob.header()),
-            Structure::Bvh(view) => (view.check(&self.prims, self.bounds)?, blob.header()),
+        let header = blob.header();
+        let stack = match &self.structure {
+            Structure::List => 0,
+            Structure::Bvh(view) => view.check(&self.prims, self.bounds)?,
+            Structure::Grid(view) => view.check(&self.prims)?,
         };
         let error = BlobError::new(Rule::StackTrue, Section::Header).found(header.stack).needed(stack);
         if header.stack == stack { Ok(()) } else { Err(error) }
@@ -121,14 +122,14 @@ impl<'a> Scene<'a> {
     #[inline]
     #[must_use]
     pub fn closest_hit(&self, ray: &Ray) -> Option<Hit> {
-        self.query::<false>(ray, &mut Fuel(self.fuel)).unwrap_or(None)
+        self.query::<false>(ray, &mut Fuel(self.fuel), &mut NoMailbox).unwrap_or(None)
     }
 
     /// Whether there is a hit in the ray's interval. Cheaper than asking for the closest.
     #[inline]
     #[must_use]
     pub fn any_hit(&self, ray: &Ray) -> bool {
-        self.query::<true>(ray, &mut Fuel(self.fuel)).is_ok_and(|hit| hit.is_some())
+        self.query::<true>(ray, &mut Fuel(self.fuel), &mut NoMailbox).is_ok_and(|hit| hit.is_some())
     }
 
     /// [`Scene::closest_hit`] that spends at most `fuel` steps: one per node visited and per primitive tested.
@@ -148,7 +149,7 @@ impl<'a> Scene<'a> {
     /// # }
     /// ```
     pub fn closest_hit_within(&self, ray: &Ray, fuel: u32) -> Result<Option<Hit>, Stop> {
-        match self.query::<false>(ray, &mut Fuel(fuel.min(self.fuel))) {
+        match self.query::<false>(ray, &mut Fuel(fuel.min(self.fuel)), &mut NoMailbox) {
             // More than there are nodes and primitives: some must have been visited twice.
             Err(Stop::Fuel) if fuel >= self.fuel => Err(Stop::Corrupt),
             answer => answer,
@@ -159,7 +160,30 @@ impl<'a> Scene<'a> {
     #[must_use]
     pub fn closest_hit_counted(&self, ray: &Ray) -> (Option<Hit>, Steps) {
         let mut tally = Tally { fuel: Fuel(self.fuel), steps: Steps::default() };
-        let hit = self.query::<false>(ray, &mut tally).unwrap_or(None);
+        let hit = self.query::<false>(ray, &mut tally, &mut NoMailbox).unwrap_or(None);
+        (hit, tally.steps)
+    }
+
+    /// [`Scene::closest_hit_counted`] with a mailbox: the same answer, and in structures that list a primitive in
+    /// several cells fewer tests.
+    ///
+    /// ```
+    /// # #[cfg(feature = "alloc")] {
+    /// # use flashray::{*, build::*, walk::mailbox::Last8};
+    /// # let mesh = Mesh::new(&[[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]], &[[0, 1, 2]]);
+    /// # let blob = to_vec(&mesh, &Config::new(Kind::Grid).cells(8)).unwrap();
+    /// # let scene = Scene::from_bytes(&blob).unwrap();
+    /// let ray = Ray::new([0.1, 0.7, 0.0], [1.0, 0.0, 0.0]); // along the triangle, and edge-on: no hit
+    /// let (hit, steps) = scene.closest_hit_mailed(&ray, &mut Last8::default());
+    /// assert_eq!((hit, steps.prims), (None, 1));
+    /// assert_eq!(steps.spared + 1, scene.closest_hit_counted(&ray).1.prims);
+    /// # }
+    /// ```
+    #[must_use]
+    pub fn closest_hit_mailed(&self, ray: &Ray, mailbox: &mut impl Mailbox) -> (Option<Hit>, Steps) {
+        mailbox.clear();
+        let mut tally = Tally { fuel: Fuel(self.fuel), steps: Steps::default() };
+        let hit = self.query::<false>(ray, &mut tally, mailbox).unwrap_or(None);
         (hit, tally.steps)
     }
 
@@ -178,7 +202,12 @@ impl<'a> Scene<'a> {
     }
 
     #[inline]
-    fn query<const ANY: bool>(&self, ray: &Ray, meter: &mut impl Meter) -> Result<Option<Hit>, Stop> {
+    fn query<const ANY: bool>(
+        &self,
+        ray: &Ray,
+        meter: &mut impl Meter,
+        mailbox: &mut impl Mailbox,
+    ) -> Result<Option<Hit>, Stop> {
         let Some(ray) = Prepared::new(ray, self.bounds, self.local) else {
             return Ok(None);
         };
@@ -189,6 +218,7 @@ impl<'a> Scene<'a> {
         match &self.structure {
             Structure::List => list::walk::<ANY>(&self.prims, &ray, &mut best, meter)?,
             Structure::Bvh(view) => bvh::walk::<ANY>(view, &self.prims, &ray, &mut best, meter)?,
+            Structure::Grid(view) => view.walk::<ANY>(&self.prims, &ray, &mut best, meter, mailbox)?,
         };
         Ok(best.hit().map(|hit| Hit { t: hit.t * ray.unit, ..hit }))
     }
@@ -239,9 +269,12 @@ impl<'a> Scene<'a> {
     /// The hierarchy, if this is one.
     #[must_use]
     pub const fn bvh(&self) -> Option<bvh::View<'a>> {
-        match self.structure {
-            Structure::Bvh(view) => Some(view),
-            Structure::List => None,
-        }
+        if let Structure::Bvh(view) = self.structure { Some(view) } else { None }
+    }
+
+    /// The grid, if this is one.
+    #[must_use]
+    pub const fn grid(&self) -> Option<grid::View<'a>> {
+        if let Structure::Grid(view) = self.structure { Some(view) } else { None }
     }
 }

@@ -5,6 +5,7 @@ use crate::soup::Soup;
 use flashray::blob::{Buffer, Entry, Header, Rule, Section, crc32};
 use flashray::build::{Arena, BuildError, Config, Mesh, Needs, What, into, to_vec};
 use flashray::bvh::{Child, Node};
+use flashray::grid::Shape;
 use flashray::{BlobError, Kind, Ray, Scene, Sphere, Stop};
 use std::fs;
 use std::path::PathBuf;
@@ -57,6 +58,86 @@ fn seal(bytes: &mut [u8]) {
 }
 
 type Break = fn(&mut Vec<u8>);
+
+/// A blob of 60 primitives of all kinds in a grid of cells for each.
+fn good_grid() -> Vec<u8> {
+    build(&mixed(60, 1), &Config::new(Kind::Grid).cells(5)).to_vec()
+}
+
+/// A section as words.
+fn words(bytes: &[u8], section: Section) -> Vec<u32> {
+    let entry = entries(bytes).into_iter().find(|e| e.section == section.number()).expect("the section is there");
+    let words = bytes[entry.offset as usize..][..entry.length as usize].chunks_exact(4);
+    words.map(|w| u32::from_le_bytes(w.try_into().expect("4 bytes"))).collect()
+}
+
+/// The cell with the longest list, and where that starts and ends.
+fn longest_list(bytes: &[u8]) -> (usize, usize, usize) {
+    let starts: Vec<usize> = words(bytes, Section::CellStarts).iter().map(|&w| w as usize).collect();
+    let cell = (0..starts.len() - 1).max_by_key(|&c| starts[c + 1] - starts[c]).expect("a cell");
+    (cell, starts[cell], starts[cell + 1])
+}
+
+/// The same for rules about structures that part space.
+const GRID_BREAKS: &[(Rule, Break)] = &[
+    (Rule::Reserved, |b| edit::<Shape>(b, Section::GridShape, 0, |s| s.reserved = 1)),
+    (Rule::Lattice, |b| edit::<Shape>(b, Section::GridShape, 0, |s| s.cells[0] += 1)),
+    (Rule::Lattice, |b| edit::<Shape>(b, Section::GridShape, 0, |s| s.cells = [0, s.cells[1], s.cells[2]])),
+    (Rule::Lattice, |b| edit::<Shape>(b, Section::GridShape, 0, |s| s.lattice.cell[1] = 0.0)),
+    (Rule::Lattice, |b| edit::<Shape>(b, Section::GridShape, 0, |s| s.lattice.cell[2] = f32::NAN)),
+    (Rule::Lattice, |b| edit::<Shape>(b, Section::GridShape, 0, |s| s.lattice.min[0] = f32::NEG_INFINITY)),
+    (Rule::Lattice, |b| edit::<Shape>(b, Section::GridShape, 0, |s| s.lattice.cell[2] *= 0.99)),
+    (Rule::Lattice, |b| edit::<Shape>(b, Section::GridShape, 0, |s| s.lattice.min[0] += 0.01)),
+    (Rule::ListPlace, |b| edit::<u32>(b, Section::CellStarts, 0, |s| *s = 1)),
+    (Rule::ListPlace, |b| {
+        let (cell, first, last) = longest_list(b);
+        edit::<u32>(b, Section::CellStarts, cell, |s| *s = last as u32 + 1);
+        assert!(first < last);
+    }),
+    (Rule::ListPlace, |b| {
+        let last = entries(b).iter().find(|e| e.section == Section::CellStarts.number()).expect("starts").length / 4;
+        edit::<u32>(b, Section::CellStarts, last as usize - 1, |s| *s += 1);
+    }),
+    (Rule::ListOrder, |b| {
+        let (_, first, _) = longest_list(b);
+        edit::<u32>(b, Section::CellLists, first, |s| *s = 60);
+    }),
+    (Rule::ListOrder, |b| {
+        let (_, first, _) = longest_list(b);
+        edit::<u32>(b, Section::CellLists, first + 1, |s| *s = 0);
+    }),
+    // The last of a list goes to the next cell, which lists nothing: what its own cell needed is not there.
+    (Rule::ListComplete, |b| {
+        let starts = words(b, Section::CellStarts);
+        let lonely = |c: &usize| starts[*c] < starts[c + 1] && starts[c + 1] == starts[c + 2];
+        let cell = (0..starts.len() - 2).find(lonely).expect("an empty cell after another");
+        edit::<u32>(b, Section::CellStarts, cell + 1, |s| *s -= 1);
+    }),
+    (Rule::StackTrue, |b| header(b, |h| h.stack += 1)),
+    (Rule::StepsTrue, |b| header(b, |h| h.steps -= 1)),
+];
+
+#[test]
+fn rules_about_grids_are_broken_one_by_one() {
+    assert_eq!(load(&good_grid()), Ok(()));
+    for (i, (rule, edit)) in GRID_BREAKS.iter().enumerate() {
+        let mut bytes = good_grid();
+        edit(&mut bytes);
+        seal(&mut bytes);
+        let error = load(&bytes).expect_err(rule.text());
+        assert_eq!(error.rule, *rule, "edit {i}: {error}");
+        // Not checked, it answers all the same, within its steps.
+        let buffer = Buffer::from(&bytes[..]);
+        let Ok(scene) = Scene::trust(&buffer) else { continue };
+        for k in 0..3 {
+            let mut dir = [0.1, 0.2, 0.3];
+            dir[k] = 1.0;
+            let ray = Ray::new([-3.0, -2.5, -2.0], dir).within(-100.0, 100.0);
+            let _ = (scene.closest_hit(&ray), scene.any_hit(&ray));
+            assert_ne!(scene.closest_hit_within(&ray, u32::MAX), Err(Stop::Fuel));
+        }
+    }
+}
 
 /// For each rule an edit that breaks it and no rule before it.
 const BREAKS: &[(Rule, Break)] = &[
@@ -135,7 +216,8 @@ fn every_rule_has_an_edit_that_breaks_exactly_it() {
         assert!(error.to_string().starts_with(&format!("rule {}, ", rule.number())), "{error}");
     }
     // The one rule that is not about the bytes but about where they lie.
-    let tested: Vec<_> = BREAKS.iter().map(|(rule, _)| *rule).chain([Rule::Alignment]).collect();
+    let all = BREAKS.iter().chain(GRID_BREAKS);
+    let tested: Vec<_> = all.map(|(rule, _)| *rule).chain([Rule::Alignment]).collect();
     for rule in Rule::ALL {
         assert!(tested.contains(rule), "rule {} has no test", rule.number());
     }
@@ -247,24 +329,36 @@ fn building_in_lent_memory_gives_the_same_bytes_and_says_what_is_full() {
     for config in configs() {
         let expected = to_vec(&mesh, &config).expect("a good mesh");
         let needs = Needs::new(&mesh, &config).expect("small enough");
-        assert!(needs.refs == 100 && needs.bytes >= expected.len());
-        let (mut refs, mut nodes) = (heapless::Vec::<_, 100>::new(), heapless::Vec::<_, 99>::new());
+        assert!(needs.refs >= 100 && needs.bytes >= expected.len());
+        let (mut refs, mut nodes) = (heapless::Vec::<_, 4096>::new(), heapless::Vec::<_, 99>::new());
+        let (mut cells, mut slots) = (heapless::Vec::<_, 65536>::new(), heapless::Vec::<_, 65536>::new());
+        let mut arena = Arena { refs: &mut refs, nodes: &mut nodes, cells: &mut cells, slots: &mut slots };
         let mut out = vec![0xa5; needs.bytes];
-        let mut arena = Arena { refs: &mut refs, nodes: &mut nodes };
         assert_eq!(into(&mesh, &config, &mut arena, &mut out), Ok(&expected[..]));
         // One byte short: the error says how many are enough, and nothing is written.
         let mut short = vec![0xa5; expected.len() - 1];
         let full = BuildError::Full { what: What::Out, needed: expected.len(), had: expected.len() - 1 };
         assert_eq!(into(&mesh, &config, &mut arena, &mut short), Err(full));
         assert!(short.iter().all(|&b| b == 0xa5));
-        let (mut few, mut none) = (heapless::Vec::<_, 99>::new(), heapless::Vec::<_, 0>::new());
-        let mut arena = Arena { refs: &mut few, nodes: &mut nodes };
-        let full = BuildError::Full { what: What::Refs, needed: 100, had: 99 };
-        assert_eq!(into(&mesh, &config, &mut arena, &mut out), Err(full));
-        let mut arena = Arena { refs: &mut refs, nodes: &mut none };
-        let full = BuildError::Full { what: What::Nodes, needed: 99, had: 0 };
-        let result = into(&mesh, &config, &mut arena, &mut out).map(<[u8]>::len);
-        assert_eq!(result, if config.kind == Kind::List { Ok(expected.len()) } else { Err(full) });
+        // One reference short, and nothing of the other parts: the error says which is full.
+        let mut few = heapless::Vec::<_, 99>::new();
+        let arena = &mut Arena { refs: &mut few, nodes: &mut nodes, cells: &mut cells, slots: &mut slots };
+        let full = BuildError::Full { what: What::Refs, needed: needs.refs, had: 99 };
+        assert_eq!(into(&mesh, &config, arena, &mut out), Err(full));
+        let (mut none, mut no_words, mut empty) =
+            (heapless::Vec::<_, 0>::new(), heapless::Vec::<_, 0>::new(), out.clone());
+        let parts = [(What::Nodes, needs.nodes), (What::Cells, needs.cells), (What::Slots, needs.slots)];
+        for (what, needed) in parts {
+            let mut arena = Arena { refs: &mut refs, nodes: &mut nodes, cells: &mut cells, slots: &mut slots };
+            match what {
+                What::Nodes => arena.nodes = &mut none,
+                What::Cells => arena.cells = &mut no_words,
+                _ => arena.slots = &mut no_words,
+            }
+            let result = into(&mesh, &config, &mut arena, &mut empty).map(<[u8]>::len);
+            let full = Err(BuildError::Full { what, needed, had: 0 });
+            assert_eq!(result, if needed == 0 { Ok(expected.len()) } else { full }, "{config:?}");
+        }
     }
 }
 
@@ -290,8 +384,11 @@ fn a_million_identical_triangles_and_coincident_centres_end() {
     let triangles = vec![[0, 1, 2]; 1_000_000];
     // Boxes of all sizes around one centre separate by nothing but size.
     let shells: Vec<_> = (1..5000).map(|i| Sphere { center: [0.0; 3], radius: i as f32 }).collect();
-    for config in configs() {
-        let blob = Buffer::from(&to_vec(&Mesh::new(&positions, &triangles), &config).expect("builds")[..]);
+    let mesh = Mesh::new(&positions, &triangles);
+    // A resolution that the caller insists on would list each of them in every cell.
+    assert_eq!(to_vec(&mesh, &Config::new(Kind::Grid).cells(37)), Err(BuildError::TooLarge));
+    for config in configs().into_iter().filter(|c| c.cells == 0) {
+        let blob = Buffer::from(&to_vec(&mesh, &config).expect("builds")[..]);
         let scene = Scene::from_bytes(&blob).expect("a good blob");
         assert!(scene.limits().stack <= 20, "{} levels", scene.limits().stack);
         if config.kind != Kind::List {
@@ -314,7 +411,7 @@ fn a_staircase_that_halving_boxes_can_not_part_stays_within_the_stack() {
         let blob = Buffer::from(&to_vec(&Mesh::default().spheres(&balls), &config.leaf(1)).expect("builds")[..]);
         let scene = Scene::from_bytes(&blob).expect("a good blob");
         assert!(scene.limits().stack <= 60, "{} levels", scene.limits().stack);
-        if config.rule == flashray::build::Rule::Seed {
+        if config.kind == Kind::Bvh && config.rule == flashray::build::Rule::Seed {
             assert!(scene.limits().stack >= 32, "{} levels: halving by count never set in", scene.limits().stack);
         }
     }
@@ -328,6 +425,8 @@ fn golden() -> Vec<(&'static str, Soup, Config)> {
         ("v1-list-mixed-15", mixed(15, 4), Config::new(Kind::List)),
         ("v1-bvh-mixed-100", mixed(100, 5), Config::new(Kind::Bvh)),
         ("v1-bvh-seed-sphere-80", icosphere(1), Config::new(Kind::Bvh).rule(flashray::build::Rule::Seed)),
+        ("v1-grid-empty", Soup::default(), Config::new(Kind::Grid)),
+        ("v1-grid-mixed-100", mixed(100, 5), Config::new(Kind::Grid)),
         ("v1-bvh-local-sphere-80", icosphere(1), Config::new(Kind::Bvh).local([0.25, -0.5, 8.0])),
     ]
 }

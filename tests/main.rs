@@ -19,6 +19,7 @@ mod agree;
 mod blobs;
 mod cli;
 mod common;
+mod dda;
 mod docs;
 mod firmware;
 mod geometry;

@@ -12,6 +12,8 @@ use flashray::{Aabb, Cone, Cylinder, Hit, Kind, Ray, Scene, Sphere};
 /// Rays of one run.
 const RAYS: usize = 4;
 /// Most primitives of a soup, and room in the arenas.
+/// Words for cells and for what they list.
+const WORDS: usize = 4096;
 const PRIMS: usize = 64;
 
 /// Every way to build.
@@ -166,7 +168,8 @@ fn agree(blob: &[u8], specs: &[Spec], first: &mut Option<Answers>, build: (Kind,
 /// The builder without a heap: the same bytes or the same error, and too little memory is said and harms nothing.
 fn arenas(mesh: &Mesh<'_>, config: &Config, expected: &std::result::Result<Vec<u8>, BuildError>, narrow: bool) {
     let (mut refs, mut nodes) = (heapless::Vec::<Ref, PRIMS>::new(), heapless::Vec::<Node, PRIMS>::new());
-    let mut arena = Arena { refs: &mut refs, nodes: &mut nodes };
+    let (mut cells, mut slots) = (heapless::Vec::<u32, WORDS>::new(), heapless::Vec::<u32, WORDS>::new());
+    let mut arena = Arena { refs: &mut refs, nodes: &mut nodes, cells: &mut cells, slots: &mut slots };
     let needs = Needs::new(mesh, config).expect("a small mesh");
     let mut out = Buffer::zeroed(needs.bytes + 64);
     let built = into(mesh, config, &mut arena, &mut out);
@@ -191,7 +194,8 @@ fn short(mesh: &Mesh<'_>, config: &Config, arena: &mut Arena<'_>, blob: &[u8]) {
 /// An arena that may be too small for the nodes: the same bytes, or what would be enough.
 fn small(mesh: &Mesh<'_>, config: &Config, blob: &[u8], needs: Needs) {
     let (mut refs, mut nodes) = (heapless::Vec::<Ref, PRIMS>::new(), heapless::Vec::<Node, 4>::new());
-    let mut arena = Arena { refs: &mut refs, nodes: &mut nodes };
+    let (mut cells, mut slots) = (heapless::Vec::<u32, WORDS>::new(), heapless::Vec::<u32, WORDS>::new());
+    let mut arena = Arena { refs: &mut refs, nodes: &mut nodes, cells: &mut cells, slots: &mut slots };
     let mut out = vec![0; blob.len()];
     match into(mesh, config, &mut arena, &mut out) {
         Ok(built) => assert_eq!(built, blob, "a small arena changed the bytes, {config:?}"),

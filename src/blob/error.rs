@@ -71,6 +71,14 @@ rules! {
     StackTrue = 23, "the deepest stack in the header is the true one";
     /// The most steps in the header is the true number.
     StepsTrue = 24, "the most steps in the header is the true number";
+    /// A grid has the cells that its tables are for, each with a size, and they enclose the bounds.
+    Lattice = 25, "a grid's cells have a size, enclose the bounds, and are as many as its table has entries";
+    /// Each list starts where the one before it ends, the first at 0, and the last one ends the section.
+    ListPlace = 26, "lists follow each other and fill their section";
+    /// Each list ascends; a slot is listed for the first time after all lower ones, and each is listed.
+    ListOrder = 27, "lists ascend, and each slot appears, first after all lower ones";
+    /// A cell lists every primitive that has a part in it.
+    ListComplete = 28, "a cell lists every primitive that has a part in it";
 }
 
 impl Rule {
@@ -105,13 +113,19 @@ pub enum Section {
     Ids = 7,
     /// Nodes of a binary bounding-volume hierarchy, 64 bytes each.
     BvhNodes = 16,
+    /// Planes and cell numbers of a grid, one entry of 40 bytes.
+    GridShape = 17,
+    /// For each cell of a grid where its list starts, and where the last one ends.
+    CellStarts = 18,
+    /// The slots that cells list.
+    CellLists = 19,
     /// The section table.
     Table = 255,
 }
 
 impl Section {
     /// The sections that a table may list, in the order in which they must stand.
-    pub const LISTED: [Self; 8] = [
+    pub const LISTED: &[Self] = &[
         Self::Triangles,
         Self::Spheres,
         Self::Boxes,
@@ -120,6 +134,9 @@ impl Section {
         Self::Refs,
         Self::Ids,
         Self::BvhNodes,
+        Self::GridShape,
+        Self::CellStarts,
+        Self::CellLists,
     ];
 
     /// The section's number in the table.
@@ -142,6 +159,9 @@ impl Section {
             Self::Refs => "refs",
             Self::Ids => "ids",
             Self::BvhNodes => "bvh nodes",
+            Self::GridShape => "grid shape",
+            Self::CellStarts => "cell starts",
+            Self::CellLists => "cell lists",
             Self::Table => "section table",
         }
     }

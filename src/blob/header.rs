@@ -6,7 +6,7 @@
 //! | 4 | 4 | `version` | 1 |
 //! | 8 | 4 | `length` | bytes of the whole blob |
 //! | 12 | 4 | `checksum` | CRC-32 (ISO-HDLC) of the bytes from 16 to the end |
-//! | 16 | 4 | `kind` | the structure: 1 list, 2 bvh |
+//! | 16 | 4 | `kind` | the structure: 1 list, 2 bvh, 3 grid |
 //! | 20 | 4 | `prims` | number of primitives, below 2^28 |
 //! | 24 | 4 | `stack` | deepest stack of a walk, in entries, at most 64 |
 //! | 28 | 4 | `steps` | most steps of a walk: nodes visited and primitives tested |
@@ -41,10 +41,12 @@ pub enum Kind {
     List = 1,
     /// Binary bounding-volume hierarchy.
     Bvh = 2,
+    /// Uniform grid, a list for every cell.
+    Grid = 3,
 }
 
 /// Every structure, with its name on the command line.
-pub const KINDS: [(Kind, &str); 2] = [(Kind::List, "list"), (Kind::Bvh, "bvh")];
+pub const KINDS: &[(Kind, &str)] = &[(Kind::List, "list"), (Kind::Bvh, "bvh"), (Kind::Grid, "grid")];
 
 impl Kind {
     /// The structure's number in a header.
@@ -56,10 +58,17 @@ impl Kind {
 
     /// The structure's name.
     #[must_use]
-    pub const fn name(self) -> &'static str {
+    pub fn name(self) -> &'static str {
+        KINDS.iter().find(|(kind, _)| *kind == self).map_or("", |(_, name)| name)
+    }
+
+    /// The sections that a blob of this structure may have beside the primitives'.
+    #[must_use]
+    pub const fn sections(self) -> &'static [Section] {
         match self {
-            Self::List => "list",
-            Self::Bvh => "bvh",
+            Self::List => &[],
+            Self::Bvh => &[Section::BvhNodes],
+            Self::Grid => &[Section::GridShape, Section::CellStarts, Section::CellLists],
         }
     }
 }
@@ -140,7 +149,24 @@ pub(super) fn parse(bytes: &[u8]) -> Result<(&Header, &[Entry]), BlobError> {
     let table = bytes.get(size_of::<Header>()..index(size)).ok_or(short.needed(size))?;
     let entries: &[Entry] = bytemuck::try_cast_slice(table).map_err(|_| crooked)?;
     parse_entries(entries, size, header.length)?;
+    parse_kind(header, entries)?;
     Ok((header, entries))
+}
+
+/// No section belongs to another structure: it would be bytes that nobody looks at.
+fn parse_kind(header: &Header, entries: &[Entry]) -> Result<(), BlobError> {
+    let kind = header.kind().ok_or(broken(Rule::KindKnown).found(header.kind))?;
+    let fits = |e: &Entry| {
+        let own = kind.sections().iter().any(|s| s.number() == e.section);
+        own || e.section < Section::BvhNodes.number()
+    };
+    match entries.iter().position(|e| !fits(e)) {
+        None => Ok(()),
+        Some(i) => {
+            let error = BlobError::new(Rule::SectionOrder, Section::Table).at(count(i));
+            Err(error.found(entries.get(i).map_or(0, |e| e.section)))
+        }
+    }
 }
 
 fn parse_header(header: &Header, length: usize) -> Result<(), BlobError> {

@@ -19,6 +19,7 @@ mod buffer;
 mod crc;
 mod error;
 mod header;
+pub mod lists;
 pub mod prims;
 #[cfg(feature = "build")]
 pub mod write;

@@ -7,6 +7,7 @@
 //!
 //! `ids[i]` is the caller's number of the primitive in slot `i`; without that section it is `i`.
 use super::{Blob, BlobError, Rule, Section};
+use crate::geom::overlap;
 use crate::geom::vec::finite;
 use crate::geom::{Aabb, Cone, Cylinder, Sphere, Triangle};
 use crate::num::{count, index};
@@ -40,6 +41,16 @@ impl Primitive {
             Self::Box(p) => *p,
             Self::Cylinder(p) => p.as_cone().bounds(),
             Self::Cone(p) => p.bounds(),
+        }
+    }
+
+    /// Whether it has a part in a cell: for a triangle as [`crate::geom::overlap`] says, for the others where their
+    /// boxes have a point in common.
+    #[must_use]
+    pub fn overlaps(&self, cell: &Aabb) -> bool {
+        match self {
+            Self::Triangle(p) => overlap::triangle(p, cell),
+            other => overlap::boxes(&other.bounds(), cell),
         }
     }
 

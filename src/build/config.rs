@@ -4,13 +4,16 @@ use crate::blob::Kind;
 use crate::bvh::MAX_LEAF;
 use crate::geom::vec::finite;
 
+/// Most cells along the longest side of a grid.
+pub const MOST_CELLS: u32 = 1024;
+
 /// How a structure chooses its splits.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Rule {
     /// The textbook's: axes in turn, the box halved, objects to the side of their centre.
     Seed,
-    /// The surface-area heuristic.
+    /// The least expected cost: the surface-area heuristic for trees, the best of several densities for grids.
     Sah,
 }
 
@@ -33,6 +36,8 @@ pub struct Config {
     pub leaf: u32,
     /// How many times every subtree is taken out and put where it costs least, after [`Rule::Sah`]: 0 builds fastest.
     pub reinsert: u32,
+    /// Cells along the longest side of a grid, at most 1024; 0 leaves it to the rule.
+    pub cells: u32,
     /// Subtracted from every coordinate before it is stored, and from every ray's origin: for scenes far from 0.
     pub local: [f32; 3],
 }
@@ -41,7 +46,7 @@ impl Config {
     /// The defaults: the surface-area heuristic, leaves of up to 8 primitives, no local origin.
     #[must_use]
     pub const fn new(kind: Kind) -> Self {
-        Self { kind, rule: Rule::Sah, leaf: 8, reinsert: 2, local: [0.0; 3] }
+        Self { kind, rule: Rule::Sah, leaf: 8, reinsert: 2, cells: 0, local: [0.0; 3] }
     }
 
     /// With another rule.
@@ -65,6 +70,13 @@ impl Config {
         self
     }
 
+    /// With so many cells along the longest side.
+    #[must_use]
+    pub const fn cells(mut self, cells: u32) -> Self {
+        self.cells = cells;
+        self
+    }
+
     /// With a local origin.
     #[must_use]
     pub fn local(mut self, local: impl Into<[f32; 3]>) -> Self {
@@ -75,6 +87,7 @@ impl Config {
     pub(super) fn check(&self) -> Result<(), BuildError> {
         match () {
             () if self.leaf == 0 || self.leaf > MAX_LEAF => Err(BuildError::Leaf { found: self.leaf }),
+            () if self.cells > MOST_CELLS => Err(BuildError::Cells { found: self.cells }),
             () if !finite(self.local) => Err(BuildError::Local),
             () => Ok(()),
         }

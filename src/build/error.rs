@@ -9,6 +9,10 @@ pub enum What {
     Refs,
     /// The arena's nodes.
     Nodes,
+    /// The arena's words for cells.
+    Cells,
+    /// The arena's words for listed primitives.
+    Slots,
     /// The output buffer, in bytes.
     Out,
 }
@@ -47,6 +51,11 @@ pub enum BuildError {
         /// What it is.
         found: u32,
     },
+    /// There are more than 1024 cells along the longest side.
+    Cells {
+        /// How many.
+        found: u32,
+    },
     /// The local origin is not finite.
     Local,
 }
@@ -58,6 +67,8 @@ impl fmt::Display for BuildError {
                 let what = match what {
                     What::Refs => "the arena's references are",
                     What::Nodes => "the arena's nodes are",
+                    What::Cells => "the arena's words for cells are",
+                    What::Slots => "the arena's words for listed primitives are",
                     What::Out => "the output buffer is",
                 };
                 write!(f, "{what} full: {needed} needed, {had} there")
@@ -71,6 +82,7 @@ impl fmt::Display for BuildError {
             ),
             Self::TooLarge => f.write_str("too large: a blob holds fewer than 2^28 primitives and 2^32 bytes"),
             Self::Leaf { found } => write!(f, "a leaf of {found} primitives: 1 to 15 are possible"),
+            Self::Cells { found } => write!(f, "{found} cells along the longest side: up to 1024 are possible"),
             Self::Local => f.write_str("the local origin is not finite"),
         }
     }

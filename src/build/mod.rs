@@ -5,7 +5,9 @@
 
 mod config;
 mod error;
+mod input;
 mod mesh;
+pub(crate) mod parts;
 mod refs;
 mod write;
 
@@ -13,16 +15,21 @@ mod write;
 mod owned;
 pub(crate) mod sah;
 
-pub use config::{Config, Rule};
+pub use config::{Config, MOST_CELLS, Rule};
 pub use error::{BuildError, What};
+pub use input::Input;
 pub use mesh::Mesh;
 #[cfg(feature = "alloc")]
 pub use owned::to_vec;
 pub use refs::Ref;
 
 use crate::blob::Kind;
+use crate::blob::write::{Facts, Layout};
 use crate::bvh::{self, Node};
+use crate::grid;
+use crate::num::index;
 use heapless::VecView;
+use parts::Parts;
 
 /// Memory that a builder works in, lent by the caller. [`Needs`] says how much it takes.
 ///
@@ -33,7 +40,8 @@ use heapless::VecView;
 /// #[repr(align(64))]
 /// struct Out([u8; 1024]);
 /// let (mut refs, mut nodes) = (heapless::Vec::<_, 8>::new(), heapless::Vec::<_, 8>::new());
-/// let mut arena = Arena { refs: &mut refs, nodes: &mut nodes };
+/// let (mut cells, mut slots) = (heapless::Vec::<_, 8>::new(), heapless::Vec::<_, 8>::new());
+/// let mut arena = Arena { refs: &mut refs, nodes: &mut nodes, cells: &mut cells, slots: &mut slots };
 /// let mut out = Out([0; 1024]);
 ///
 /// let mesh = Mesh::new(&[[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]], &[[0, 1, 2]]);
@@ -45,8 +53,12 @@ use heapless::VecView;
 pub struct Arena<'a> {
     /// One per primitive.
     pub refs: &'a mut VecView<Ref>,
-    /// One per inner node.
+    /// One per inner node of a hierarchy of boxes or spheres.
     pub nodes: &'a mut VecView<Node>,
+    /// Words of the tables of a structure that parts space.
+    pub cells: &'a mut VecView<u32>,
+    /// One word each time that such a structure lists a primitive.
+    pub slots: &'a mut VecView<u32>,
 }
 
 /// How much memory a build can take at most.
@@ -57,23 +69,34 @@ pub struct Needs {
     pub refs: usize,
     /// Entries of [`Arena::nodes`].
     pub nodes: usize,
+    /// Entries of [`Arena::cells`].
+    pub cells: usize,
+    /// Entries of [`Arena::slots`].
+    pub slots: usize,
     /// Bytes of the blob; `usize::MAX` if the most nodes would make it 4 GiB or longer.
     pub bytes: usize,
 }
 
 impl Needs {
-    /// What a mesh and a configuration can need at most.
+    /// What a mesh and a configuration can need at most. For a structure that parts space this counts, which takes
+    /// about as long as building.
     ///
     /// # Errors
-    /// [`BuildError::TooLarge`] if there are 2^28 primitives or more.
+    /// Those of the build, but [`BuildError::Full`].
     pub fn new(mesh: &Mesh<'_>, config: &Config) -> Result<Self, BuildError> {
-        let prims = mesh.len()?;
-        let nodes = match config.kind {
-            Kind::List => 0,
-            Kind::Bvh => bvh::build::most_nodes(prims),
+        let input = Input::new(mesh, config)?;
+        Ok(Self::of(mesh, &input, config, &Shape::new(&input, config)?))
+    }
+
+    fn of(mesh: &Mesh<'_>, input: &Input<'_>, config: &Config, shape: &Shape) -> Self {
+        let refs = index(input.len);
+        let (nodes, cells, slots) = match shape {
+            Shape::List => (0, 0, 0),
+            Shape::Bvh => (index(bvh::build::most_nodes(input.len)), 0, 0),
+            Shape::Grid(plan) => (0, plan.words(), index(plan.listed)),
         };
-        let bytes = write::layout(mesh, nodes, config.kind).map_or(usize::MAX, |layout| layout.len());
-        Ok(Self { refs: crate::num::index(prims), nodes: crate::num::index(nodes), bytes })
+        let bytes = write::most_bytes(mesh, config.kind, nodes, cells + slots);
+        Self { refs, nodes, cells, slots, bytes }
     }
 }
 
@@ -90,12 +113,17 @@ pub fn into<'o>(
     arena: &mut Arena<'_>,
     out: &'o mut [u8],
 ) -> Result<&'o [u8], BuildError> {
-    let needs = Needs::new(mesh, config)?;
-    let refs = lend(arena.refs, needs.refs, What::Refs)?;
-    // The most nodes are rarely needed: lend what there is, and let the builder say if it was not enough.
-    let nodes = arena.nodes.capacity().min(needs.nodes);
-    let nodes = lend(arena.nodes, nodes, What::Nodes)?;
-    let plan = Plan::new(mesh, config, refs, nodes)?;
+    let input = Input::new(mesh, config)?;
+    let shape = Shape::new(&input, config)?;
+    let needs = Needs::of(mesh, &input, config, &shape);
+    let lent = Lent {
+        refs: lend(arena.refs, needs.refs, What::Refs)?,
+        // The most nodes are rarely needed: lend what there is, and let the builder say if it was not enough.
+        nodes: lend(arena.nodes, arena.nodes.capacity().min(needs.nodes), What::Nodes)?,
+        cells: lend(arena.cells, needs.cells, What::Cells)?,
+        slots: lend(arena.slots, needs.slots, What::Slots)?,
+    };
+    let plan = Plan::new(&input, mesh, config, &shape, lent)?;
     let had = out.len();
     plan.write(out).ok_or(BuildError::Full { what: What::Out, needed: plan.layout.len(), had })
 }
@@ -107,40 +135,77 @@ fn lend<T: bytemuck::Zeroable + Clone>(view: &mut VecView<T>, n: usize, what: Wh
     view.get_mut(..n).ok_or(full)
 }
 
+/// What is decided about a structure before there is memory for it.
+enum Shape {
+    List,
+    Bvh,
+    Grid(grid::build::Plan),
+}
+
+impl Shape {
+    fn new(input: &Input<'_>, config: &Config) -> Result<Self, BuildError> {
+        Ok(match config.kind {
+            Kind::List => Self::List,
+            Kind::Bvh => Self::Bvh,
+            Kind::Grid => Self::Grid(grid::build::Plan::new(input, config)?),
+        })
+    }
+}
+
+/// Memory for a build, as much as [`Needs`] says; of the nodes perhaps less.
+struct Lent<'p> {
+    refs: &'p mut [Ref],
+    nodes: &'p mut [Node],
+    cells: &'p mut [u32],
+    slots: &'p mut [u32],
+}
+
 /// A finished structure that has not been written yet: its exact length is known.
 struct Plan<'p> {
-    mesh: &'p Mesh<'p>,
+    input: &'p Input<'p>,
     built: Built<'p>,
-    layout: crate::blob::write::Layout,
-    facts: crate::blob::write::Facts,
+    layout: Layout,
+    facts: Facts,
 }
 
 /// A structure as its builder left it.
 enum Built<'p> {
-    List(&'p [Ref]),
+    List,
     Bvh(bvh::build::Tree<'p>),
+    Parts(Parts<'p>),
 }
 
 impl<'p> Plan<'p> {
+    #[allow(clippy::needless_pass_by_value)] // it is memory to fill: what it lends is consumed
     fn new(
-        mesh: &'p Mesh<'p>,
+        input: &'p Input<'p>,
+        mesh: &Mesh<'_>,
         config: &Config,
-        refs: &'p mut [Ref],
-        nodes: &'p mut [Node],
+        shape: &Shape,
+        lent: Lent<'p>,
     ) -> Result<Self, BuildError> {
-        config.check()?;
-        let bounds = refs::fill(mesh, config, refs)?;
-        let prims = crate::num::count(refs.len());
-        let (built, nodes, stack) = match config.kind {
-            Kind::List => (Built::List(refs), 0, 0),
-            Kind::Bvh => {
-                let tree = bvh::build::build(config, refs, nodes, &bounds, mesh.has_tubes())?;
-                (Built::Bvh(tree), tree.len, tree.stack)
+        refs::fill(input, lent.refs);
+        let built = match shape {
+            Shape::List => Built::List,
+            Shape::Bvh => {
+                Built::Bvh(bvh::build::build(config, lent.refs, lent.nodes, &input.bounds, mesh.has_tubes())?)
             }
+            Shape::Grid(plan) => Built::Parts(grid::build::build(input, plan, lent.refs, lent.cells, lent.slots)),
         };
-        let layout = write::layout(mesh, nodes, config.kind)?;
-        let steps = nodes.saturating_add(prims);
-        let facts = crate::blob::write::Facts { kind: config.kind, prims, stack, steps, bounds, local: config.local };
-        Ok(Self { mesh, built, layout, facts })
+        let layout = write::layout(mesh, &built)?;
+        let (stack, steps) = built.limits(input.len);
+        let (kind, prims, bounds, local) = (config.kind, input.len, input.bounds, config.local);
+        Ok(Self { input, built, layout, facts: Facts { kind, prims, stack, steps, bounds, local } })
+    }
+}
+
+impl Built<'_> {
+    /// Deepest stack and most steps of a walk.
+    fn limits(&self, prims: u32) -> (u32, u32) {
+        match self {
+            Self::List => (0, prims),
+            Self::Bvh(tree) => (tree.stack, tree.len.saturating_add(prims)),
+            Self::Parts(parts) => (parts.stack, parts.steps),
+        }
     }
 }

@@ -1,5 +1,5 @@
 //! Building with an allocator.
-use super::{BuildError, Config, Mesh, Needs, Plan, Ref, What};
+use super::{BuildError, Config, Input, Lent, Mesh, Needs, Plan, Ref, Shape, What};
 use crate::bvh::Node;
 use alloc::vec;
 use alloc::vec::Vec;
@@ -12,10 +12,13 @@ use bytemuck::Zeroable;
 /// # Errors
 /// See [`BuildError`]; never [`BuildError::Full`].
 pub fn to_vec(mesh: &Mesh<'_>, config: &Config) -> Result<Vec<u8>, BuildError> {
-    let needs = Needs::new(mesh, config)?;
-    let mut refs = vec![Ref::zeroed(); needs.refs];
-    let mut nodes = vec![Node::zeroed(); needs.nodes];
-    let plan = Plan::new(mesh, config, &mut refs, &mut nodes)?;
+    let input = Input::new(mesh, config)?;
+    let shape = Shape::new(&input, config)?;
+    let needs = Needs::of(mesh, &input, config, &shape);
+    let (mut refs, mut nodes) = (vec![Ref::zeroed(); needs.refs], vec![Node::zeroed(); needs.nodes]);
+    let (mut cells, mut slots) = (vec![0; needs.cells], vec![0; needs.slots]);
+    let lent = Lent { refs: &mut refs, nodes: &mut nodes, cells: &mut cells, slots: &mut slots };
+    let plan = Plan::new(&input, mesh, config, &shape, lent)?;
     let needed = plan.layout.len();
     let mut out = vec![0; needed];
     match plan.write(&mut out) {

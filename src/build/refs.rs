@@ -1,5 +1,5 @@
 //! What builders sort in place of the primitives.
-use super::{BuildError, Config, Mesh};
+use super::Input;
 use crate::geom::Aabb;
 use crate::geom::vec::Vec3;
 use crate::num::count;
@@ -26,19 +26,10 @@ impl Ref {
     }
 }
 
-/// Fills one reference per primitive, in the caller's order, and returns the box around all.
-pub(super) fn fill(mesh: &Mesh<'_>, config: &Config, refs: &mut [Ref]) -> Result<Aabb, BuildError> {
-    let mut all = Aabb::EMPTY;
+/// Fills one reference per primitive, in the caller's order.
+pub(super) fn fill(input: &Input<'_>, refs: &mut [Ref]) {
     for (i, place) in refs.iter_mut().enumerate() {
         let prim = count(i);
-        let (_, primitive) = mesh.get(prim, config.local)?;
-        let bounds = primitive.bounds();
-        // The box of a huge primitive may overflow although its own numbers do not.
-        if !primitive.is_valid() || !bounds.is_valid() {
-            return Err(BuildError::Primitive { prim });
-        }
-        all = all.join(&bounds);
-        *place = Ref { bounds, prim, scratch: 0.0 };
+        *place = Ref { bounds: input.prim(prim).bounds(), prim, scratch: 0.0 };
     }
-    Ok(if refs.is_empty() { Aabb { min: [0.0; 3], max: [0.0; 3] } } else { all })
 }

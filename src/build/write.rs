@@ -2,30 +2,57 @@
 use super::{BuildError, Built, Mesh, Plan, Ref};
 use crate::blob::prims::{Primitive, reference};
 use crate::blob::write::Layout;
-use crate::blob::{Kind, Section};
+use crate::blob::{Entry, Kind, Section};
 use crate::bvh::Node;
 use crate::bvh::build::Tree;
 use crate::geom::{Aabb, Cone, Cylinder, Sphere, Triangle};
 use crate::num::{count, index};
+use heapless::Vec;
 
-/// The sections of a mesh under a structure with so many nodes.
-pub(super) fn layout(mesh: &Mesh<'_>, nodes: u32, kind: Kind) -> Result<Layout, BuildError> {
-    let prims = mesh.len()?;
+/// Section, entries, bytes of an entry.
+type Sections = Vec<(Section, u32, usize), 16>;
+
+/// The sections of a mesh, whose slots have numbers of their own if `ids`.
+fn primitive_sections(mesh: &Mesh<'_>, ids: bool) -> Sections {
     let [triangles, spheres, boxes, cylinders, cones] = mesh.counts().map(count);
+    let prims = mesh.len().unwrap_or(0);
     let refs = if triangles == prims { 0 } else { prims };
-    // A list keeps the caller's order: its slots are the caller's numbers.
-    let ids = if kind == Kind::List { 0 } else { prims };
-    let sections = [
+    Sections::from_iter([
         (Section::Triangles, triangles, size_of::<Triangle>()),
         (Section::Spheres, spheres, size_of::<Sphere>()),
         (Section::Boxes, boxes, size_of::<Aabb>()),
         (Section::Cylinders, cylinders, size_of::<Cylinder>()),
         (Section::Cones, cones, size_of::<Cone>()),
         (Section::Refs, refs, size_of::<u32>()),
-        (Section::Ids, ids, size_of::<u32>()),
-        (Section::BvhNodes, nodes, size_of::<Node>()),
-    ];
+        (Section::Ids, if ids { prims } else { 0 }, size_of::<u32>()),
+    ])
+}
+
+/// The sections of a mesh under a structure.
+pub(super) fn layout(mesh: &Mesh<'_>, built: &Built<'_>) -> Result<Layout, BuildError> {
+    // A list keeps the caller's order: its slots are the caller's numbers.
+    let mut sections = primitive_sections(mesh, !matches!(built, Built::List));
+    let mut push = |section, entries, size| sections.push((section, entries, size)).map_err(|_| BuildError::TooLarge);
+    match built {
+        Built::List => {}
+        Built::Bvh(tree) => push(Section::BvhNodes, tree.len, size_of::<Node>())?,
+        Built::Parts(parts) => {
+            for &(section, words, entry) in &parts.sections {
+                push(section, count(words.len() / entry.max(1)), entry * size_of::<u32>())?;
+            }
+        }
+    }
     Layout::new(&sections).ok_or(BuildError::TooLarge)
+}
+
+/// The most bytes that a blob with so many nodes or words can take; `usize::MAX` if that is 4 GiB or more.
+pub(super) fn most_bytes(mesh: &Mesh<'_>, kind: Kind, nodes: usize, words: usize) -> usize {
+    let mut sections = primitive_sections(mesh, kind != Kind::List);
+    // One section of all nodes; of the words each section may have a gap before it and an entry in the table.
+    let _ = sections.push((Section::BvhNodes, count(nodes), size_of::<Node>()));
+    let own = kind.sections().len() * (index(crate::blob::SECTION_ALIGN) + size_of::<Entry>());
+    let words = if words > 0 { words.saturating_mul(4).saturating_add(own) } else { 0 };
+    Layout::new(&sections).map_or(usize::MAX, |layout| layout.len().saturating_add(words))
 }
 
 impl Plan<'_> {
@@ -51,24 +78,32 @@ impl Plan<'_> {
                 reference(kind, *at - 1)
             }),
         );
-        writer.section(Section::Ids, self.refs().map(|r| r.prim));
-        if let Built::Bvh(tree) = self.built {
-            writer.section(Section::BvhNodes, tree.nodes());
+        writer.section(Section::Ids, self.order());
+        match &self.built {
+            Built::List => {}
+            Built::Bvh(tree) => writer.section(Section::BvhNodes, tree.nodes()),
+            Built::Parts(parts) => {
+                for &(section, words, _) in &parts.sections {
+                    writer.section(section, words.iter().copied());
+                }
+            }
         }
         Some(writer.finish())
     }
 
-    /// The references in slot order.
-    fn refs(&self) -> impl Iterator<Item = &Ref> {
-        let (list, tree) = match self.built {
-            Built::List(refs) => (Some(refs), None),
-            Built::Bvh(tree) => (None, Some(tree)),
+    /// The caller's numbers in slot order.
+    fn order(&self) -> impl Iterator<Item = u32> {
+        let (list, tree, parts): (_, _, &[u32]) = match &self.built {
+            Built::List => (0..self.facts.prims, None, &[]),
+            Built::Bvh(tree) => (0..0, Some(*tree), &[]),
+            Built::Parts(parts) => (0..0, None, parts.order),
         };
-        list.into_iter().flatten().chain(tree.into_iter().flat_map(Tree::refs))
+        let number = |r: &Ref| r.prim;
+        list.chain(tree.into_iter().flat_map(Tree::refs).map(number)).chain(parts.iter().copied())
     }
 
-    /// The primitives in slot order with the numbers of their kinds; the mesh was checked when the references were made.
+    /// The primitives in slot order with the numbers of their kinds.
     fn primitives(&self) -> impl Iterator<Item = (u32, Primitive)> {
-        self.refs().filter_map(|r| self.mesh.get(r.prim, self.facts.local).ok())
+        self.order().map(|prim| self.input.get(prim))
     }
 }

@@ -16,7 +16,7 @@
 //!    `2u |v - o|` (the difference and its rounding) plus `5u |S (v - o)_z|` (two roundings of the shear constant, the
 //!    difference, the product, the sum), with `u = 2^-24` and `|S| <= 1`. That is below `7u E`, for `E` the largest
 //!    distance, per axis, from the origin to the far side of the scene's bounds. The slab's own three roundings add
-//!    `3u E`. The pad is `16u E`, plus `2u |o|` so that adding it to the origin survives rounding, plus the least
+//!    `3u E`; rule 6 needs another `10u E`. The pad is `32u E`, plus `2u |o|` so that adding it to the origin survives rounding, plus the least
 //!    normal number for scenes so small that products underflow. This holds while `v - o` and `S (v - o)` do not
 //!    overflow: coordinates and origins up to 1e37 in size, directions up to 2^126, and `t` within f32. The tests go
 //!    from 1e-42 to 1e30. Beyond that range answers are still the same everywhere, and still those of the list, but a
@@ -24,11 +24,22 @@
 //! 5. Only `+ - * /` and square root reach a result, in the order written, never contracted. Minimum and maximum are
 //!    compare-and-select, in an order that says what becomes of a NaN.
 //!
+//! 6. Space may be parted instead of primitives. Cut a box by a plane: because of the pad the plane is met as the far
+//!    side of one part no earlier than as the near side of the other, so every `t` in the box's interval lies in that
+//!    of a part. Hence a primitive listed in every cell that its box overlaps is met in time, whatever the cells,
+//!    provided that a walk visits each cell whose interval is not empty. A triangle may be left out of a cell that it
+//!    does not overlap ([`overlap`]): its `t` is that of a point on it, but for `10u E`, which the pad covers, and for
+//!    what cancellation does to the weights, less than `2^-13` of the triangle's extent, which the overlap test adds
+//!    to the triangle. (In f64 the weights are right to `2^-51`; in f32 the test allows products of 512 times their
+//!    sum, so that the weights are wrong by `512u` at most.)
+//!
 //! `f32::min`, `max` and fused multiply-add are therefore absent by rule, not by accident.
 
 pub mod aabb;
 pub mod cone;
 pub mod hit;
+pub mod lattice;
+pub mod overlap;
 pub mod ray;
 mod root;
 pub mod sphere;

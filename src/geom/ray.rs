@@ -1,6 +1,6 @@
 //! Rays, and what is computed once per ray.
 use super::aabb::Aabb;
-use super::vec::{Vec3, least, most, scale, size, sub};
+use super::vec::{Vec3, add_scaled, least, most, scale, size, sub};
 
 /// A ray: the points `origin + t dir` for `t` in `[t_min, t_max]`, both ends included.
 ///
@@ -58,6 +58,9 @@ pub enum Axis {
 }
 
 impl Axis {
+    /// All three.
+    pub const ALL: [Self; 3] = [Self::X, Self::Y, Self::Z];
+
     /// Its place in a three-component array.
     #[inline(always)]
     #[must_use]
@@ -78,8 +81,8 @@ impl Axis {
     }
 }
 
-/// Pad of the slab test as a share of the distance to the far side of the scene: 16 half-ulps. See [`super`], rule 4.
-const PAD: f32 = 16.0 / 16_777_216.0;
+/// Pad of the slab test as a share of the distance to the far side of the scene: 32 half-ulps. See [`super`], rules 4, 6.
+const PAD: f32 = 32.0 / 16_777_216.0;
 /// Share of the origin's own size, so that the pad survives the rounding of `origin + pad`: 2 half-ulps.
 const ORIGIN_PAD: f32 = 2.0 / 16_777_216.0;
 
@@ -201,6 +204,20 @@ impl Prepared {
         let t = if t < near { near } else { t };
         let t = if t > far { far } else { t } + 0.0;
         (near <= far && t >= self.t_min && t <= t_max && t.is_finite()).then_some(t)
+    }
+
+    /// Least `t` that counts, in the units that walks count in: those of the ray, but for tiny directions.
+    #[inline(always)]
+    #[must_use]
+    pub const fn t_min(&self) -> f32 {
+        self.t_min
+    }
+
+    /// The point at distance `t`, about.
+    #[inline(always)]
+    pub(crate) fn point(&self, t: f32) -> Vec3 {
+        let (dir, to_t) = self.scaled_dir();
+        add_scaled(self.origin, t / to_t, dir)
     }
 
     /// `dir` over its largest component (1 on that axis), and what turns a distance in units of it into `t`.

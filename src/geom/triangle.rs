@@ -6,7 +6,9 @@
 //! vertex agree on it, and what follows is exact:
 //!
 //! - An edge function is a difference of two rounded products. Rounding is monotone, so a sign other than 0 is right.
-//! - Where one is 0, or overflowed, all three are computed anew in f64, where products of f32 are exact.
+//! - Where one is 0, or overflowed, all three are computed anew in f64, where products of f32 are exact. So they are
+//!   where most of their bits cancelled, as in a triangle seen almost edge-on: the signs are right then, too, but the
+//!   distance made from them would not be.
 //! - Where one is 0 there too, the ray goes through the edge. It is then moved, in thought, by `(e, e^2)` for an `e`
 //!   below every number (Edelsbrunner and Muecke, "Simulation of Simplicity", ACM TOG 9(1), 1990): the sign becomes
 //!   that of the edge's own direction. The two triangles at an edge see it in opposite directions, so exactly one
@@ -33,6 +35,8 @@ pub struct Triangle {
 /// The sum of the edge functions must lie between these for the f32 path: outside, a division could lose bits.
 const LEAST_DET: f32 = 1.0 / MOST_DET;
 const MOST_DET: f32 = 1_208_925_819_614_629_174_706_176.0; // 2^80
+/// The products in the edge functions may be at most so many times their sum for the f32 path.
+const MOST_CANCELLED: f32 = 512.0;
 
 /// A vertex in the ray's frame: its place in the sheared plane, and its depth along `kz`.
 #[derive(Clone, Copy)]
@@ -51,10 +55,11 @@ impl Sheared {
         Self { x: x - ray.shear[0] * z, y: y - ray.shear[1] * z, z }
     }
 
-    /// Twice the signed area of the origin and the edge from `self` to `to`.
+    /// Twice the signed area of the origin and the edge from `self` to `to`, and the size of what it was made from.
     #[inline(always)]
-    fn edge(self, to: Self) -> f32 {
-        self.x * to.y - self.y * to.x
+    fn edge(self, to: Self) -> (f32, f32) {
+        let (p, q) = (self.x * to.y, self.y * to.x);
+        (p - q, p.abs() + q.abs())
     }
 
     /// The same, exact in sign, with ties broken by the symbolic shift. The flag says that the value is negative;
@@ -93,7 +98,7 @@ impl Triangle {
         let b = Sheared::new(self.v[1], ray);
         let c = Sheared::new(self.v[2], ray);
         // Weights of the three corners, up to their sum.
-        let (wa, wb, wc) = (b.edge(c), c.edge(a), a.edge(b));
+        let ((wa, sa), (wb, sb), (wc, sc)) = (b.edge(c), c.edge(a), a.edge(b));
         let low = least(least(wa, wb), wc);
         let high = most(most(wa, wb), wc);
         // Both are weights or NaN, and no NaN passes these tests: so even after an overflow some sign differs from another.
@@ -102,7 +107,10 @@ impl Triangle {
         }
         let det = wa + wb + wc;
         let depth = wa * a.z + wb * b.z + wc * c.z;
-        let clear = (low > 0.0 || high < 0.0) && det.abs() > LEAST_DET && det.abs() < MOST_DET && depth.is_finite();
+        let ordinary = det.abs() > LEAST_DET && det.abs() < MOST_DET && depth.is_finite();
+        // Few bits may be lost to cancellation, or `t` would lie off the triangle: `super`, rule 6.
+        let steady = (sa + sb) + sc <= det.abs() * MOST_CANCELLED;
+        let clear = (low > 0.0 || high < 0.0) && ordinary && steady;
         let (depth, u, v, clockwise) =
             if clear { (depth / det, wb / det, wc / det, det < 0.0) } else { exact_weights(a, b, c)? };
         let t = ray.admit(depth * ray.inv[ray.kz.at()], ray.slab(&self.bounds()), t_max)?;

@@ -1,5 +1,5 @@
 //! A run of slots against a ray.
-use super::{Best, Meter, Stop};
+use super::{Best, Mailbox, Meter, Stop};
 use crate::blob::prims::{Primitive, Prims};
 use crate::geom::hit::Crossing;
 use crate::geom::ray::Prepared;
@@ -38,7 +38,48 @@ pub fn test<const ANY: bool>(
     Ok(false)
 }
 
-/// The same where other kinds stand among the triangles. Out of line: a scene of triangles alone never gets here.
+/// Tests the primitives in the slots that a cell lists, but for those that `mailbox` remembers. Returns whether the walk
+/// is over: with `ANY`, at the first hit.
+///
+/// # Errors
+/// [`Stop::Fuel`] if the meter does not allow as many tests, [`Stop::Corrupt`] if a slot does not exist.
+#[inline(always)]
+pub fn test_listed<const ANY: bool>(
+    prims: &Prims<'_>,
+    slots: &[u32],
+    ray: &Prepared,
+    best: &mut Best,
+    meter: &mut impl Meter,
+    mailbox: &mut impl Mailbox,
+) -> Result<bool, Stop> {
+    if !meter.prims(count(slots.len())) {
+        return Err(Stop::Fuel);
+    }
+    for &slot in slots {
+        if mailbox.seen(slot) {
+            meter.spared();
+            continue;
+        }
+        if !prims.refs.is_empty() {
+            let (over, found) = mixed::<ANY>(prims, (slot, 1), *ray, *best)?;
+            *best = found;
+            if over {
+                return Ok(true);
+            }
+            continue;
+        }
+        let triangle = prims.triangles.get(index(slot)).ok_or(Stop::Corrupt)?;
+        if let Some(crossing) = triangle.crossing(ray, best.t) {
+            best.offer(crossing, prims.id(slot));
+            if ANY {
+                return Ok(true);
+            }
+        }
+    }
+    Ok(false)
+}
+
+/// A run of slots where other kinds stand among the triangles. Out of line: a scene of triangles alone never gets here.
 #[inline(never)]
 fn mixed<const ANY: bool>(
     prims: &Prims<'_>,

@@ -6,6 +6,8 @@ pub trait Meter {
     fn node(&mut self) -> bool;
     /// `n` primitives are about to be tested.
     fn prims(&mut self, n: u32) -> bool;
+    /// One of those was not tested, because a mailbox remembered it.
+    fn spared(&mut self);
 }
 
 /// Steps that are left.
@@ -31,6 +33,9 @@ impl Meter for Fuel {
     fn prims(&mut self, n: u32) -> bool {
         self.pay(n)
     }
+
+    #[inline(always)]
+    fn spared(&mut self) {}
 }
 
 /// What a query cost.
@@ -40,6 +45,8 @@ pub struct Steps {
     pub nodes: u32,
     /// Primitives tested.
     pub prims: u32,
+    /// Tests that a mailbox made needless; not among those in `prims`.
+    pub spared: u32,
 }
 
 /// Fuel that also counts.
@@ -62,5 +69,11 @@ impl Meter for Tally {
     fn prims(&mut self, n: u32) -> bool {
         self.steps.prims = self.steps.prims.saturating_add(n);
         self.fuel.prims(n)
+    }
+
+    #[inline(always)]
+    fn spared(&mut self) {
+        self.steps.prims = self.steps.prims.saturating_sub(1);
+        self.steps.spared = self.steps.spared.saturating_add(1);
     }
 }

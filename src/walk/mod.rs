@@ -4,10 +4,13 @@
 //! every index goes through `get`, every push can be refused, and every step is paid from a [`Meter`]. Where one of
 //! these fails the walk says [`Stop`].
 
+pub mod dda;
 mod leaf;
+pub mod mailbox;
 mod meter;
 
-pub use leaf::test;
+pub use leaf::{test, test_listed};
+pub use mailbox::Mailbox;
 pub use meter::{Fuel, Meter, Steps, Tally};
 
 use crate::geom::Hit;

@@ -73,7 +73,20 @@ fn refused(folder: &Folder, args: &str) {
 const HELP: [(&str, &[&str]); 8] = [
     (
         "build",
-        &["-o", "--output", "--structure", "list", "bvh", "--rule", "seed", "sah", "--leaf", "--local", "--json"],
+        &[
+            "-o",
+            "--output",
+            "--structure",
+            "--cells",
+            "list",
+            "bvh",
+            "--rule",
+            "seed",
+            "sah",
+            "--leaf",
+            "--local",
+            "--json",
+        ],
     ),
     ("info", &["FILE", "--json"]),
     ("check", &["FILE", "--json"]),

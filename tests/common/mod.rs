@@ -16,6 +16,9 @@ pub fn configs() -> Vec<Config> {
         Config::new(Kind::Bvh),
         Config::new(Kind::Bvh).rule(Rule::Seed),
         Config::new(Kind::Bvh).leaf(1),
+        Config::new(Kind::Grid),
+        Config::new(Kind::Grid).rule(Rule::Seed),
+        Config::new(Kind::Grid).cells(37),
     ]
 }
 

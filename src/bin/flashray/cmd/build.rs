@@ -1,8 +1,10 @@
 //! `flashray build`.
 use crate::{Failure, args, file, input};
 use clap::ValueEnum;
+use clap::builder::{PossibleValuesParser, TypedValueParser};
 use flashray::Kind;
-use flashray::build::{Config, Rule, to_vec};
+use flashray::blob::KINDS;
+use flashray::build::{Config, MOST_CELLS, Rule, to_vec};
 use std::path::PathBuf;
 use std::time::Instant;
 
@@ -15,26 +17,23 @@ pub struct Args {
     #[arg(short, long, value_name = "OUT.fray")]
     output: PathBuf,
     /// The acceleration structure
-    #[arg(long, value_enum, default_value = "bvh")]
-    structure: Structure,
+    #[arg(long, value_parser = structures(), default_value = "bvh")]
+    structure: Kind,
     /// How it splits: the textbook's rule, or the surface-area heuristic
     #[arg(long, value_enum, default_value = "sah")]
     rule: Split,
     /// Most primitives of a leaf
     #[arg(long, default_value_t = 8, value_parser = clap::value_parser!(u32).range(1..=15))]
     leaf: u32,
+    /// Cells along the longest side of a grid; 0 leaves it to the rule
+    #[arg(long, default_value_t = 0, value_parser = clap::value_parser!(u32).range(..=i64::from(MOST_CELLS)))]
+    cells: u32,
     /// Store coordinates relative to this point: for scenes far from 0
     #[arg(long, value_name = "X,Y,Z", value_parser = args::triple, default_value = "0,0,0", allow_hyphen_values = true)]
     local: [f32; 3],
     /// Print one JSON object instead of a sentence
     #[arg(long)]
     json: bool,
-}
-
-#[derive(Clone, Copy, ValueEnum)]
-pub enum Structure {
-    List,
-    Bvh,
 }
 
 #[derive(Clone, Copy, ValueEnum)]
@@ -45,16 +44,18 @@ pub enum Split {
 
 impl Args {
     fn config(&self) -> Config {
-        let kind = match self.structure {
-            Structure::List => Kind::List,
-            Structure::Bvh => Kind::Bvh,
-        };
         let rule = match self.rule {
             Split::Seed => Rule::Seed,
             Split::Sah => Rule::Sah,
         };
-        Config::new(kind).rule(rule).leaf(self.leaf).local(self.local)
+        Config::new(self.structure).rule(rule).leaf(self.leaf).cells(self.cells).local(self.local)
     }
+}
+
+/// Structures by their names.
+fn structures() -> impl TypedValueParser<Value = Kind> {
+    let kind = |name: &str| KINDS.iter().find(|(_, known)| *known == name).map_or(Kind::List, |(kind, _)| *kind);
+    PossibleValuesParser::new(KINDS.iter().map(|(_, name)| *name)).map(move |name| kind(&name))
 }
 
 pub fn run(args: &Args) -> Result<(), Failure> {

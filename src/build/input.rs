@@ -1,0 +1,68 @@
+//! A mesh that was found good, as builders see it.
+use super::{BuildError, Config, Mesh};
+use crate::blob::prims::Primitive;
+use crate::geom::vec::Vec3;
+use crate::geom::{Aabb, Triangle};
+use crate::grid::Shape;
+
+/// A checked mesh relative to its local origin.
+#[derive(Clone, Copy, Debug)]
+pub struct Input<'a> {
+    mesh: &'a Mesh<'a>,
+    local: Vec3,
+    /// Number of primitives.
+    pub len: u32,
+    /// Box around all of them; a point at 0 if there is none.
+    pub bounds: Aabb,
+}
+
+impl<'a> Input<'a> {
+    /// Checks every primitive.
+    ///
+    /// # Errors
+    /// The first thing that is wrong with the configuration or the mesh.
+    pub(super) fn new(mesh: &'a Mesh<'a>, config: &Config) -> Result<Self, BuildError> {
+        config.check()?;
+        let len = mesh.len()?;
+        let mut all = Aabb::EMPTY;
+        for prim in 0..len {
+            let (_, primitive) = mesh.get(prim, config.local)?;
+            let bounds = primitive.bounds();
+            // The box of a huge primitive may overflow although its own numbers do not.
+            if !primitive.is_valid() || !bounds.is_valid() {
+                return Err(BuildError::Primitive { prim });
+            }
+            all = all.join(&bounds);
+        }
+        let bounds = if len == 0 { Aabb { min: [0.0; 3], max: [0.0; 3] } } else { all };
+        Ok(Self { mesh, local: config.local, len, bounds })
+    }
+
+    /// Primitive `number`, relative to the local origin.
+    #[must_use]
+    pub fn prim(&self, number: u32) -> Primitive {
+        // Every number below `len` was looked up before.
+        self.get(number).1
+    }
+
+    /// The number of its kind, too.
+    pub(super) fn get(&self, number: u32) -> (u32, Primitive) {
+        self.mesh.get(number, self.local).unwrap_or((0, Primitive::Triangle(Triangle { v: [[0.0; 3]; 3] })))
+    }
+
+    /// Calls `each` with every cell of a grid and every primitive that has a part in it, primitive by primitive.
+    pub fn listings(&self, shape: &Shape, mut each: impl FnMut(u32, u32)) {
+        for number in 0..self.len {
+            let prim = self.prim(number);
+            let listed = shape.touched(&prim.bounds(), |_, cell, bounds| {
+                if prim.overlaps(bounds) {
+                    each(cell, number);
+                }
+                Ok::<(), core::convert::Infallible>(())
+            });
+            match listed {
+                Ok(()) => {}
+            }
+        }
+    }
+}

@@ -1,0 +1,156 @@
+//! The builder: a resolution, a count, a fill.
+//!
+//! `Rule::Seed` takes one cell a primitive. `Rule::Sah` tries several densities and keeps the one of least expected
+//! cost: a random line that meets the scene meets a cell with the share of their areas, so the expected numbers of
+//! steps and tests are sums over cells (`MacDonald` and Booth, "Heuristics for ray tracing using space subdivision", The
+//! Visual Computer 6, 1990). Cells along an axis follow the sides of the box (Woo; [`crate::geom::lattice::resolution`]).
+//!
+//! Memory: 10 words for the shape, one a cell and one more, one a reference; counted before it is asked for.
+use super::Shape;
+use crate::blob::Section;
+use crate::build::parts::{Parts, number_slots};
+use crate::build::{BuildError, Config, Input, MOST_CELLS, Ref, Rule};
+use crate::geom::Aabb;
+use crate::geom::lattice::{Lattice, resolution};
+use crate::num::{float, index};
+use bytemuck::Zeroable;
+
+/// Words of a shape.
+pub const SHAPE_WORDS: usize = size_of::<Shape>() / 4;
+/// Cells a primitive that the seed's rule takes.
+const SEED_DENSITY: f32 = 1.0;
+/// Cells a primitive that are tried.
+const DENSITIES: [f32; 6] = [1.0, 2.0, 4.0, 8.0, 16.0, 32.0];
+/// References that a primitive may have on average, by boxes, unless the caller names a resolution: a million in one
+/// place would otherwise be listed a million times.
+const MOST_LISTED: f32 = 32.0;
+/// Cost of a step to the next cell, in primitive tests.
+const STEP_COST: f32 = 0.4;
+/// A grid that is decided on but not made.
+#[derive(Clone, Copy, Debug)]
+pub struct Plan {
+    /// Its planes and cells.
+    pub shape: Shape,
+    /// Its cells.
+    pub cells: u32,
+    /// Its references.
+    pub listed: u32,
+}
+
+impl Plan {
+    /// Chooses the resolution and counts.
+    ///
+    /// # Errors
+    /// [`BuildError::TooLarge`] if there are 2^28 cells or references, or more.
+    pub fn new(input: &Input<'_>, config: &Config) -> Result<Self, BuildError> {
+        let (b, n) = (&input.bounds, float(input.len));
+        if input.len == 0 {
+            return Ok(Self { shape: Shape::zeroed(), cells: 0, listed: 0 });
+        }
+        if config.cells > 0 {
+            // So many along the longest side: whatever total that gives.
+            return Self::of(input, resolution(b, f32::INFINITY, config.cells));
+        }
+        let densities = if config.rule == Rule::Seed { &[SEED_DENSITY][..] } else { &DENSITIES[..] };
+        let mut best: Option<(f32, [u32; 3])> = None;
+        for density in densities {
+            let (cost, cells) = affordable(input, n * density);
+            if best.is_none_or(|(least, _)| cost < least) {
+                best = Some((cost, cells));
+            }
+        }
+        Self::of(input, best.map_or([1; 3], |(_, cells)| cells))
+    }
+
+    /// The plan of a grid of so many cells along each axis.
+    fn of(input: &Input<'_>, cells: [u32; 3]) -> Result<Self, BuildError> {
+        let shape = shape(&input.bounds, cells);
+        let total = shape.len().filter(|&n| n < 1 << 28).ok_or(BuildError::TooLarge)?;
+        let mut listed = 0u32;
+        input.listings(&shape, |_, _| listed = listed.saturating_add(1));
+        if listed >= 1 << 28 { Err(BuildError::TooLarge) } else { Ok(Self { shape, cells: total, listed }) }
+    }
+
+    /// Words of [`crate::build::Arena::cells`].
+    #[must_use]
+    pub const fn words(&self) -> usize {
+        if self.cells == 0 { 0 } else { SHAPE_WORDS + index(self.cells) + 1 }
+    }
+}
+
+fn shape(bounds: &Aabb, cells: [u32; 3]) -> Shape {
+    Shape { lattice: Lattice::over(bounds, cells), cells, reserved: 0 }
+}
+
+/// A resolution of about `total` cells, or of fewer if they would list too much, and its expected cost.
+fn affordable(input: &Input<'_>, mut total: f32) -> (f32, [u32; 3]) {
+    loop {
+        let cells = resolution(&input.bounds, total, MOST_CELLS);
+        let (listed, cost) = expected(input, cells);
+        if listed <= float(input.len) * MOST_LISTED || cells == [1; 3] {
+            return (cost, cells);
+        }
+        total *= 0.5;
+    }
+}
+
+/// References by the boxes of the primitives, and the steps and tests that a random line through the scene may be
+/// expected to take.
+fn expected(input: &Input<'_>, cells: [u32; 3]) -> (f32, f32) {
+    let shape = shape(&input.bounds, cells);
+    let area = |b: &Aabb| {
+        let side = |k: usize| b.max[k] / 2.0 - b.min[k] / 2.0;
+        (side(0) * side(1) + side(1) * side(2)) + side(2) * side(0)
+    };
+    let share = area(&shape.bounds([0; 3])) / area(&shape.lattice.bounds([0; 3], cells));
+    let mut listed = 0.0;
+    for prim in 0..input.len {
+        let (first, last) = shape.lattice.ranges(&input.prim(prim).bounds(), cells);
+        let along = |k: usize| float(last[k].saturating_sub(first[k]));
+        listed += along(0) * along(1) * along(2);
+    }
+    let steps = float(cells[0]) * float(cells[1]) * float(cells[2]);
+    let cost = (steps * STEP_COST + listed) * share;
+    (listed, if cost.is_finite() { cost } else { f32::MAX })
+}
+
+/// Fills the tables of a plan. `words` and `slots` are as long as the plan says.
+pub fn build<'p>(
+    input: &Input<'_>,
+    plan: &Plan,
+    refs: &'p mut [Ref],
+    words: &'p mut [u32],
+    slots: &'p mut [u32],
+) -> Parts<'p> {
+    let Some((head, starts)) = words.split_at_mut_checked(SHAPE_WORDS) else { return Parts::default() };
+    head.copy_from_slice(bytemuck::cast_slice(&[plan.shape]));
+    // Count, then sum up: each cell's entry becomes the start of its list, and filling moves it to the end.
+    starts.fill(0);
+    input.listings(&plan.shape, |cell, _| {
+        if let Some(n) = starts.get_mut(index(cell)) {
+            *n += 1;
+        }
+    });
+    let mut sum = 0;
+    for start in starts.iter_mut() {
+        (*start, sum) = (sum, sum + *start);
+    }
+    input.listings(&plan.shape, |cell, prim| {
+        if let Some(next) = starts.get_mut(index(cell)) {
+            if let Some(slot) = slots.get_mut(index(*next)) {
+                *slot = prim;
+            }
+            *next += 1;
+        }
+    });
+    starts.copy_within(..starts.len() - 1, 1);
+    if let Some(first) = starts.first_mut() {
+        *first = 0;
+    }
+    let order = number_slots(starts, slots, refs);
+    let mut parts = Parts::new(order, 0, plan.cells.saturating_add(plan.listed));
+    parts.push(Section::GridShape, head, SHAPE_WORDS);
+    parts.push(Section::CellStarts, starts, 1);
+    parts.push(Section::CellLists, slots, 1);
+    parts
+}
