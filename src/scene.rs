@@ -5,7 +5,7 @@ use crate::geom::ray::Prepared;
 use crate::geom::{Aabb, Hit, Ray};
 use crate::num::count;
 use crate::walk::mailbox::{Mailbox, NoMailbox};
-use crate::walk::{Best, Fuel, Meter, Steps, Stop, Tally};
+use crate::walk::{Best, Fuel, Meter, Part, Steps, Stop, Tally};
 use crate::{bvh, grid, list};
 
 /// What bounds every query on a blob.
@@ -187,6 +187,20 @@ impl<'a> Scene<'a> {
         (hit, tally.steps)
     }
 
+    /// [`Scene::closest_hit`] with a meter and a mailbox of the caller's: for those who count or draw.
+    ///
+    /// # Errors
+    /// [`Stop`], as the meter and the bytes will have it.
+    pub fn closest_hit_metered(
+        &self,
+        ray: &Ray,
+        meter: &mut impl Meter,
+        mailbox: &mut impl Mailbox,
+    ) -> Result<Option<Hit>, Stop> {
+        mailbox.clear();
+        self.query::<false>(ray, meter, mailbox)
+    }
+
     /// [`Scene::closest_hit`] for many rays: `hits[i]` becomes the answer to `rays[i]`. Of two lengths the lesser counts.
     pub fn closest_hits(&self, rays: &[Ray], hits: &mut [Option<Hit>]) {
         for (ray, hit) in rays.iter().zip(hits) {
@@ -264,6 +278,15 @@ impl<'a> Scene<'a> {
     pub fn primitives(&self) -> impl Iterator<Item = (u32, Primitive)> + use<'a> {
         let prims = self.prims;
         (0..prims.len).filter_map(move |slot| Some((prims.id(slot), prims.get(slot)?)))
+    }
+
+    /// Calls `each` with every node and cell of the structure: for those who measure or draw it.
+    pub fn parts(&self, mut each: impl FnMut(Part)) {
+        match &self.structure {
+            Structure::List => each(Part { bounds: *self.bounds, level: 0, listed: Some(self.prims.len) }),
+            Structure::Bvh(view) => view.parts(&self.prims, self.bounds, &mut each),
+            Structure::Grid(view) => view.parts(&mut each),
+        }
     }
 
     /// The hierarchy, if this is one.

@@ -28,6 +28,7 @@ use crate::blob::prims::Prims;
 use crate::blob::{Blob, BlobError, MAX_STACK, Rule, Section};
 use crate::geom::Aabb;
 use crate::num::{count, index};
+use crate::walk::Part;
 use bytemuck::{Pod, Zeroable};
 
 /// Most primitives of a leaf.
@@ -171,6 +172,19 @@ impl<'a> View<'a> {
         match self.nodes {
             [] if prims <= MAX_LEAF => Child::leaf(0, prims),
             _ => Child::node(0),
+        }
+    }
+
+    /// Calls `each` with every inner node and every leaf, a node before what is below it.
+    pub fn parts(&self, prims: &Prims<'_>, bounds: &Aabb, each: &mut impl FnMut(Part)) {
+        let mut todo = heapless::Vec::<(Child, Aabb, u32), 128>::new();
+        let mut next = (prims.len > 0).then_some((self.root(prims.len), *bounds, 0));
+        while let Some((child, bounds, level)) = next.take().or_else(|| todo.pop()) {
+            each(Part { bounds, level, listed: (!child.is_node()).then_some(child.len()) });
+            let Some(node) = self.nodes.get(index(child.number())).filter(|_| child.is_node()) else { continue };
+            // Twice as long as any tree is deep.
+            let _ = todo.push((node.child[1], node.bounds(1), level.saturating_add(1)));
+            next = Some((node.child[0], node.bounds(0), level.saturating_add(1)));
         }
     }
 

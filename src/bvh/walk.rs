@@ -72,6 +72,7 @@ pub fn walk<const ANY: bool>(
                 return Err(Stop::Fuel);
             }
             let node = view.nodes.get(index(at.number())).ok_or(Stop::Corrupt)?;
+            meter.at(|| node.bounds(0).join(&node.bounds(1)));
             let (near0, far0) = rows.slab::<0>(node, ray, best.t);
             let (near1, far1) = rows.slab::<1>(node, ray, best.t);
             let [child0, child1] = node.child;

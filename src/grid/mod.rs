@@ -28,6 +28,7 @@ use crate::blob::{Blob, BlobError, Rule, Section};
 use crate::geom::Aabb;
 use crate::geom::lattice::Lattice;
 use crate::num::{count, index};
+use crate::walk::Part;
 use bytemuck::{Pod, Zeroable};
 
 /// A grid's planes and cells, as the module's table says.
@@ -67,6 +68,13 @@ impl Shape {
     pub const fn strides(&self) -> [u32; 3] {
         let [_, y, z] = self.cells;
         [y.wrapping_mul(z), z, 1]
+    }
+
+    /// The place of a cell, by its number.
+    #[must_use]
+    pub fn place(&self, number: u32) -> [u32; 3] {
+        let [_, y, z] = self.cells.map(|n| n.max(1));
+        [number / z / y, number / z % y, number % z]
     }
 
     /// The box of a cell.
@@ -141,6 +149,15 @@ impl<'a> View<'a> {
     #[must_use]
     pub const fn steps(&self) -> u32 {
         count(self.lists.len()).saturating_add(count(self.lists.slots.len()))
+    }
+
+    /// Calls `each` with every cell.
+    pub fn parts(&self, each: &mut impl FnMut(Part)) {
+        let Some(shape) = self.shape else { return };
+        for cell in 0..count(self.lists.len()) {
+            let listed = self.lists.get(cell).map(|list| count(list.len()));
+            each(Part { bounds: shape.bounds(shape.place(cell)), level: 1, listed });
+        }
     }
 
     /// The full check: rules 26 to 28. A walk needs no stack.

@@ -58,6 +58,7 @@ impl View<'_> {
             if !meter.node() {
                 return Err(Stop::Fuel);
             }
+            meter.at(|| shape.bounds(shape.place(number.at)));
             let list = self.lists.get(number.at).ok_or(Stop::Corrupt)?;
             if !list.is_empty() && test_listed::<ANY>(prims, list, ray, best, meter, mailbox)? {
                 return Ok(true);

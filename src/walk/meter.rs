@@ -1,11 +1,27 @@
 //! What a walk may spend, and what it has spent.
 
+use crate::geom::Aabb;
+
+/// A node or cell of a structure, for those who look at structures.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Part {
+    /// Its box.
+    pub bounds: Aabb,
+    /// How deep it lies; the root's level is 0, and a grid's cells are on level 1.
+    pub level: u32,
+    /// How many primitives it holds or lists; none for an inner node.
+    pub listed: Option<u32>,
+}
+
 /// A budget that every step of a walk is paid from. Returns `false` when it can not pay.
 pub trait Meter {
     /// A node is visited.
     fn node(&mut self) -> bool;
     /// `n` primitives are about to be tested.
     fn prims(&mut self, n: u32) -> bool;
+    /// The node or cell just visited has this box. For pictures: counting needs no box, and then none is made.
+    #[inline(always)]
+    fn at(&mut self, _bounds: impl FnOnce() -> Aabb) {}
     /// One of those was not tested, because a mailbox remembered it.
     fn spared(&mut self);
 }

@@ -11,7 +11,7 @@ mod meter;
 
 pub use leaf::{test, test_listed};
 pub use mailbox::Mailbox;
-pub use meter::{Fuel, Meter, Steps, Tally};
+pub use meter::{Fuel, Meter, Part, Steps, Tally};
 
 use crate::geom::Hit;
 use crate::geom::hit::Crossing;

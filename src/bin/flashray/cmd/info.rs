@@ -1,7 +1,7 @@
 //! `flashray info`.
 use crate::{Failure, file};
 use flashray::blob::{Blob, Section};
-use flashray::{Aabb, Scene};
+use flashray::{Aabb, Kind, Scene};
 use serde_json::json;
 use std::path::PathBuf;
 
@@ -23,6 +23,8 @@ pub struct Shape {
     /// Expected node visits and primitive tests of a ray that meets the bounds, each counted as 1.
     pub sah_cost: f64,
     pub leaves: usize,
+    /// References from leaves or cells to primitives.
+    pub listed: u64,
 }
 
 pub fn run(args: &Args) -> Result<(), Failure> {
@@ -40,7 +42,7 @@ pub fn run(args: &Args) -> Result<(), Failure> {
             "kind": scene.kind().name(), "version": blob.header().version, "bytes": bytes.len(),
             "checksum": format!("{:08x}", blob.header().checksum),
             "primitives": scene.len(), "bytes_per_primitive": per_prim,
-            "nodes": shape.nodes, "leaves": shape.leaves, "depth": shape.depth, "sah_cost": shape.sah_cost,
+            "nodes": shape.nodes, "leaves": shape.leaves, "references": shape.listed, "depth": shape.depth, "sah_cost": shape.sah_cost,
             "limits": { "stack": limits.stack, "steps": limits.steps },
             "bounds": { "min": bounds.min, "max": bounds.max }, "local_origin": scene.local_origin(),
             "sections": sections,
@@ -56,7 +58,8 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     let share = |length: u32| f64::from(length) / prims;
     lines.extend(sections.iter().map(|(name, n)| format!("  {name:<11}{n} ({:.2} a primitive)", share(*n))));
     lines.extend([
-        format!("nodes        {} with {} leaves, depth {}", shape.nodes, shape.leaves, shape.depth),
+        format!("nodes        {} with {} leaves or cells, depth {}", shape.nodes, shape.leaves, shape.depth),
+        format!("references   {} ({:.2} a primitive)", shape.listed, shape.listed as f64 / prims),
         format!("SAH cost     {:.2}", shape.sah_cost),
         format!("worst case   stack {} entries, {} steps", limits.stack, limits.steps),
         format!("bounds       {:?} .. {:?}", bounds.min, bounds.max),
@@ -71,22 +74,20 @@ fn name(section: u32) -> &'static str {
 
 impl Shape {
     pub fn new(scene: &Scene<'_>) -> Self {
-        let Some(view) = scene.bvh().filter(|v| !v.nodes.is_empty()) else {
-            let (leaves, sah_cost) = (usize::from(!scene.is_empty()), f64::from(scene.len()));
-            return Self { nodes: 0, depth: 0, sah_cost, leaves };
-        };
+        let mut shape = Self { nodes: 0, depth: 0, sah_cost: 0.0, leaves: 0, listed: 0 };
         let whole = area(&scene.bounds());
-        let (mut cost, mut leaves) = (1.0, 0);
-        for node in view.nodes {
-            for side in 0..2 {
-                let child = node.child[side];
-                leaves += usize::from(!child.is_node());
-                // Of a scene without area nothing can be said but that a ray may meet all of it.
-                let share = if whole > 0.0 { area(&node.bounds(side)) / whole } else { 1.0 };
-                cost += share * f64::from(child.len().max(1));
-            }
-        }
-        Self { nodes: view.nodes.len(), depth: scene.limits().stack, sah_cost: cost, leaves }
+        scene.parts(|part| {
+            // Of a scene without area nothing can be said but that a ray may meet all of it.
+            let share = if whole > 0.0 { area(&part.bounds) / whole } else { 1.0 };
+            // A hierarchy of boxes knows from the parent whether a leaf is met; a cell is a step of its own.
+            let step = if part.listed.is_none() || !matches!(scene.kind(), Kind::List | Kind::Bvh) { 1.0 } else { 0.0 };
+            shape.sah_cost += share * (step + f64::from(part.listed.unwrap_or(0)));
+            shape.nodes += usize::from(part.listed.is_none());
+            shape.leaves += usize::from(part.listed.is_some());
+            shape.listed += u64::from(part.listed.unwrap_or(0));
+            shape.depth = shape.depth.max(part.level);
+        });
+        shape
     }
 }
 
