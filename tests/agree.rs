@@ -11,7 +11,7 @@ use flashray::{Hit, Kind, Ray, Scene};
 fn agree(name: &str, soup: &Soup, count: usize, seed: u64) {
     let blobs: Vec<_> = configs().iter().map(|c| build(soup, c)).collect();
     let scenes: Vec<_> = blobs.iter().map(|b| Scene::from_bytes(b).expect(name)).collect();
-    let rays = hostile(&scenes[0], soup, count, seed);
+    let rays = hostile(&scenes, count, seed);
     let hits = std::thread::scope(|scope| {
         let workers: Vec<_> = rays
             .chunks(rays.len().div_ceil(2))
@@ -99,7 +99,7 @@ fn a_local_origin_moves_the_scene_and_not_the_answers() {
         let (a, b) = (build(&near, &Config::new(kind)), build(&far, &Config::new(kind).local([shift; 3])));
         let (a, b) = (Scene::from_bytes(&a).expect("near"), Scene::from_bytes(&b).expect("far"));
         let mut hits = 0;
-        for ray in hostile(&a, &near, 12_000, 5) {
+        for ray in hostile(&[a], 12_000, 5) {
             let snapped = Ray { origin: ray.origin.map(grid), ..ray };
             let moved = Ray { origin: snapped.origin.map(|x| x + shift), ..ray };
             if moved.origin.map(|x| x - shift) == snapped.origin {
@@ -139,7 +139,7 @@ fn many_rays_at_once_get_the_same_answers() {
     let soup = icosphere(3);
     let blob = build(&soup, &Config::new(Kind::Bvh));
     let scene = Scene::from_bytes(&blob).expect("a good blob");
-    let rays = hostile(&scene, &soup, 1001, 6);
+    let rays = hostile(&[scene], 1001, 6);
     let (mut hits, mut any) = (vec![None; 1001], vec![false; 1001]);
     scene.closest_hits(&rays, &mut hits);
     scene.any_hits(&rays, &mut any);

@@ -6,9 +6,13 @@
     clippy::cast_possible_wrap
 )]
 
+#[path = "../src/bin/flashray/hostile.rs"]
+mod hostile;
 #[path = "../src/bin/flashray/mesh/mod.rs"]
 #[allow(dead_code)]
 mod mesh;
+#[path = "../src/bin/flashray/random.rs"]
+mod random;
 #[path = "../src/bin/flashray/soup.rs"]
 mod soup;
 #[path = "../src/bin/flashray/spd/mod.rs"]

@@ -90,7 +90,7 @@ const HELP: [(&str, &[&str]); 8] = [
     ),
     ("info", &["FILE", "--json"]),
     ("check", &["FILE", "--json"]),
-    ("rays", &["FILE", "-o", "--output", "--count", "--seed"]),
+    ("rays", &["FILE", "-o", "--output", "--count", "--hostile", "--seed"]),
     ("trace", &["--rays", "-o", "--output", "--any", "--mode", "single", "group", "--threads", "--json", "0xffffffff"]),
     (
         "render",

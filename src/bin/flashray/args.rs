@@ -1,7 +1,7 @@
 //! What the command line means.
 use crate::{Failure, cmd};
 use clap::builder::styling::Styles;
-use clap::{Parser, Subcommand};
+use clap::{CommandFactory, Parser, Subcommand};
 
 /// Ray queries straight from flash: build a blob offline, check it, trace it where it lies.
 ///
@@ -56,4 +56,9 @@ pub fn triple(text: &str) -> Result<[f32; 3], String> {
         return Err(wanted);
     }
     <[f32; 3]>::try_from(numbers).ok().filter(|n| n.iter().all(|x| x.is_finite())).ok_or(wanted)
+}
+
+/// Ends with what is wrong about the command line, and exit code 2.
+pub fn usage(what: &str) -> ! {
+    Args::command().error(clap::error::ErrorKind::ArgumentConflict, what).exit()
 }

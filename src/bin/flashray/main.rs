@@ -7,8 +7,10 @@ mod args;
 mod camera;
 mod cmd;
 mod file;
+mod hostile;
 mod input;
 mod mesh;
+mod random;
 mod soup;
 mod spd;
 

@@ -1,7 +1,9 @@
 //! `flashray rays`: sample rays, a quarter each from a camera, between points around the scene, through vertices, and
-//! through edges, all taken from the blob itself.
+//! through edges, all taken from the blob itself; or hostile ones.
 use super::trace::encode_ray;
 use crate::camera::{Camera, Vec3, add_scaled, sub, unit};
+use crate::hostile::Targets;
+use crate::random::Random;
 use crate::{Failure, file};
 use flashray::blob::prims::Primitive;
 use flashray::{Ray, Scene};
@@ -9,15 +11,18 @@ use std::path::PathBuf;
 
 #[derive(clap::Args)]
 pub struct Args {
-    /// The blob
-    #[arg(value_name = "FILE")]
-    file: PathBuf,
+    /// The blob; with --hostile also others over the same scene, whose cells are aimed at too
+    #[arg(required = true, value_name = "FILE")]
+    files: Vec<PathBuf>,
     /// The file of rays to write, in the form that `trace` reads
     #[arg(short, long, value_name = "RAYS")]
     output: PathBuf,
     /// How many, up to 100000000
     #[arg(long, default_value_t = 1_000_000, value_parser = clap::value_parser!(u32).range(..=MOST))]
     count: u32,
+    /// Rays that are known to make trouble: in planes and along lines of cells, at edges, from far away, with odd intervals
+    #[arg(long)]
+    hostile: bool,
     /// Where the random numbers start
     #[arg(long, default_value_t = 1)]
     seed: u64,
@@ -27,44 +32,27 @@ pub struct Args {
 pub const MOST: i64 = 100_000_000;
 
 pub fn run(args: &Args) -> Result<(), Failure> {
-    let bytes = file::read(&args.file)?;
-    let scene = file::scene(&args.file, &bytes)?;
-    let rays: Vec<u8> = sample(&scene, args.count as usize, args.seed).iter().flat_map(encode_ray).collect();
+    let all = args.files.iter().map(|path| file::read(path)).collect::<Result<Vec<_>, _>>()?;
+    let scenes = args.files.iter().zip(&all).map(|(path, bytes)| file::scene(path, bytes));
+    let scenes = scenes.collect::<Result<Vec<_>, _>>()?;
+    let count = args.count as usize;
+    let rays = match (&scenes[..], args.hostile) {
+        (scenes, true) => Targets::new(scenes).rays(count, args.seed),
+        ([scene], false) => sample(scene, count, args.seed),
+        _ => crate::args::usage("several blobs make sense with --hostile only"),
+    };
+    let rays: Vec<u8> = rays.iter().flat_map(encode_ray).collect();
     file::write(&args.output, &rays)?;
     file::say(&format!("{}: {} rays", args.output.display(), args.count))
 }
 
-/// `xorshift64*` (Vigna, ACM TOMS 42(4), 2016): the same rays everywhere.
-pub struct Random(u64);
-
-impl Random {
-    pub fn new(seed: u64) -> Self {
-        Self(seed.wrapping_mul(0x9e37_79b9_7f4a_7c15) | 1)
-    }
-
-    fn next(&mut self) -> u32 {
-        self.0 ^= self.0 >> 12;
-        self.0 ^= self.0 << 25;
-        self.0 ^= self.0 >> 27;
-        (self.0.wrapping_mul(0x2545_f491_4f6c_dd1d) >> 32) as u32
-    }
-
-    /// From 0 to below 1.
-    pub fn unit(&mut self) -> f32 {
-        (self.next() >> 8) as f32 / 16_777_216.0
-    }
-
-    fn below(&mut self, n: usize) -> usize {
-        (self.next() as usize) % n.max(1)
-    }
-
-    fn on_sphere(&mut self) -> Vec3 {
-        loop {
-            let p = [0.0; 3].map(|_: f32| self.unit() * 2.0 - 1.0);
-            let square = p[0] * p[0] + p[1] * p[1] + p[2] * p[2];
-            if square > 0.01 && square <= 1.0 {
-                return unit(p);
-            }
+/// A random unit vector.
+fn on_sphere(random: &mut Random) -> Vec3 {
+    loop {
+        let p = random.point([0.0; 3], [1.0; 3]);
+        let square = p[0] * p[0] + p[1] * p[1] + p[2] * p[2];
+        if square > 0.01 && square <= 1.0 {
+            return unit(p);
         }
     }
 }
@@ -82,10 +70,10 @@ pub fn sample(scene: &Scene<'_>, count: usize, seed: u64) -> Vec<Ray> {
     let mut ray = |i: usize| {
         let (x, y) = (i % side, i / side);
         let at = |k: usize| (k as f32 + 0.5) / side as f32 * 2.0 - 1.0;
-        let from = add_scaled(middle, radius, random.on_sphere());
+        let from = add_scaled(middle, radius, on_sphere(&mut random));
         match i / quarter.max(1) {
             0 if y < side => camera.ray(at(x), -at(y)),
-            0 | 1 => Ray::new(from, sub(add_scaled(middle, radius, random.on_sphere()), from)),
+            0 | 1 => Ray::new(from, sub(add_scaled(middle, radius, on_sphere(&mut random)), from)),
             2 => Ray::new(from, sub(point(&prims, &mut random, false), from)),
             _ => Ray::new(from, sub(point(&prims, &mut random, true), from)),
         }
