@@ -376,6 +376,15 @@ fn bad_meshes_are_refused_by_name() {
     assert_eq!(error(&Mesh::default(), &config.local([f32::NAN, 0.0, 0.0])), BuildError::Local);
     let huge = [Sphere { center: [3e38, 0.0, 0.0], radius: 3e38 }];
     assert_eq!(error(&Mesh::default().spheres(&huge), &config), BuildError::Primitive { prim: 0 });
+    // A scene from end to end of what is allowed has planes that are numbers; one step beyond is refused.
+    let end = 126f32.exp2();
+    let ends = [[-end; 3], [end; 3], [end, -end, 0.0]];
+    for config in configs() {
+        let blob = to_vec(&Mesh::new(&ends, &[[0, 1, 2]]), &config).expect("a scene of the greatest size");
+        assert!(Scene::from_bytes(&Buffer::from(&blob[..])).is_ok(), "{config:?}");
+        let beyond = [[-end; 3], [end; 3], [end.next_up(), -end, 0.0]];
+        assert_eq!(error(&Mesh::new(&beyond, &[[0, 1, 2]]), &config), BuildError::Primitive { prim: 0 });
+    }
 }
 
 #[test]

@@ -3,8 +3,7 @@
 //! They come from the blobs of `flashray_fuzz::good` and from `tests/golden`, and are the same on every run.
 use arbitrary::Unstructured;
 use flashray::blob::prims::Prims;
-use flashray::blob::{Blob, Buffer};
-use flashray::{Kind, Scene};
+use flashray::blob::{Blob, Buffer, KINDS};
 use flashray_fuzz::good::{self, Random};
 use flashray_fuzz::parse::{RAYS, flags};
 use flashray_fuzz::rays::specs;
@@ -94,20 +93,29 @@ fn rays(random: &mut Random) -> Vec<u8> {
 fn sections(bytes: &[u8]) -> Option<Vec<u8>> {
     let blob = Blob::parse(bytes).ok()?;
     let prims = Prims::parse(&blob).ok()?;
-    let nodes = Scene::trust(bytes).ok()?.bvh().map_or(0, |view| view.nodes.len());
-    let mut seed = vec![0];
+    let kind = blob.header().kind()?;
+    let place = KINDS.iter().position(|&(k, _)| k == kind)?;
+    let mut seed = vec![0, u8::try_from(place).ok()?];
     let mut flag = |on: bool, bit: u8| seed[0] |= if on { bit } else { 0 };
-    flag(blob.header().kind() == Some(Kind::Bvh), flags::BVH);
     flag(!prims.ids.is_empty(), flags::IDS);
     flag(!prims.refs.is_empty(), flags::REFS);
     let counts =
         [prims.triangles.len(), prims.spheres.len(), prims.boxes.len(), prims.cylinders.len(), prims.cones.len()];
-    for n in counts.into_iter().chain([nodes]) {
+    for n in counts {
         seed.push(u8::try_from(n).ok()?);
     }
-    // Sections stand in the blob in the order in which `parse` reads them.
-    for entry in blob.entries() {
-        seed.extend_from_slice(bytes.get(entry.offset as usize..)?.get(..entry.length as usize)?);
+    // Sections stand in the blob in the order in which `parse` reads them; the structure's own have their lengths with
+    // them, even where they are not there.
+    let content = |length: u32, offset: u32| bytes.get(offset as usize..)?.get(..length as usize);
+    let own = |section: u32| kind.sections().iter().any(|s| s.number() == section);
+    for entry in blob.entries().iter().filter(|e| !own(e.section)) {
+        seed.extend_from_slice(content(entry.length, entry.offset)?);
+    }
+    for section in kind.sections() {
+        let entry = blob.entries().iter().find(|e| e.section == section.number());
+        let (length, offset) = entry.map_or((0, 0), |e| (e.length, e.offset));
+        seed.extend(u16::try_from(length / 4).ok()?.to_le_bytes());
+        seed.extend_from_slice(content(length, offset)?);
     }
     Some(seed)
 }

@@ -1,23 +1,62 @@
 //! Arbitrary soup, every structure and rule against the list, bit for bit.
 //!
 //! Data: how to build, four rays, then the soup.
+use crate::good::builds;
 use crate::judge::{Judge, same};
 use crate::rays::{Number, Spec, specs};
 use arbitrary::{Arbitrary, Result, Unstructured};
 use flashray::blob::Buffer;
-use flashray::build::{Arena, BuildError, Config, Mesh, Needs, Ref, Rule, into, to_vec};
+use flashray::build::{Arena, BuildError, Config, Mesh, Needs, Ref, Rule, What, into, to_vec};
 use flashray::bvh::Node;
 use flashray::{Aabb, Cone, Cylinder, Hit, Kind, Ray, Scene, Sphere};
+use std::cell::RefCell;
+use std::sync::atomic::{AtomicU32, Ordering};
 
 /// Rays of one run.
 const RAYS: usize = 4;
-/// Most primitives of a soup, and room in the arenas.
-/// Words for cells and for what they list.
-const WORDS: usize = 4096;
+/// Most primitives of a soup.
 const PRIMS: usize = 64;
+/// Room in the arenas for nodes, for words of cells and for words of what they list.
+const NODES: usize = 2 * PRIMS;
+const WORDS: usize = 1 << 15;
+/// Most cells along an axis that are asked for; 0 leaves it to the builder.
+const CELLS: u8 = 12;
 
-/// Every way to build.
-const BUILDS: [(Kind, Rule); 3] = [(Kind::List, Rule::Sah), (Kind::Bvh, Rule::Seed), (Kind::Bvh, Rule::Sah)];
+/// Builds in arenas, and how many more wanted larger ones than there are.
+pub static ARENAS: [AtomicU32; 2] = [AtomicU32::new(0), AtomicU32::new(0)];
+
+thread_local! {
+    /// The same for all builds: what one has left behind must not show in the next.
+    static MEMORY: RefCell<Memory<NODES, WORDS>> = const { RefCell::new(Memory::new()) };
+}
+
+/// What an arena borrows.
+struct Memory<const NODES: usize, const WORDS: usize> {
+    refs: heapless::Vec<Ref, PRIMS>,
+    nodes: heapless::Vec<Node, NODES>,
+    cells: heapless::Vec<u32, WORDS>,
+    slots: heapless::Vec<u32, WORDS>,
+}
+
+impl<const NODES: usize, const WORDS: usize> Memory<NODES, WORDS> {
+    const fn new() -> Self {
+        Self {
+            refs: heapless::Vec::new(),
+            nodes: heapless::Vec::new(),
+            cells: heapless::Vec::new(),
+            slots: heapless::Vec::new(),
+        }
+    }
+
+    fn arena(&mut self) -> Arena<'_> {
+        Arena { refs: &mut self.refs, nodes: &mut self.nodes, cells: &mut self.cells, slots: &mut self.slots }
+    }
+
+    /// Whether a build surely has enough of it.
+    fn holds(needs: &Needs) -> bool {
+        needs.refs <= PRIMS && needs.nodes <= NODES && needs.cells <= WORDS && needs.slots <= WORDS
+    }
+}
 
 /// Rays and what the list said to them.
 type Answers = Vec<(Ray, Option<Hit>)>;
@@ -122,15 +161,16 @@ impl Soup {
 fn attempt(u: &mut Unstructured<'_>) -> Result<()> {
     let leaf = u32::from(u.arbitrary::<u8>()? % 18);
     let flags = u.arbitrary::<u8>()?;
+    let cells = if flags & 96 == 0 { u32::from(u.arbitrary::<u8>()? % (CELLS + 1)) } else { 0 };
     let local = if flags & 3 == 1 { u.arbitrary::<[Number; 3]>()?.map(|n| n.0) } else { [0.0; 3] };
     let style: Style = u.arbitrary()?;
     let rays = specs(u, RAYS)?;
     let soup = Soup::new(u, style)?;
     let mesh = soup.mesh();
-    let config = |(kind, rule)| Config::new(kind).rule(rule).leaf(leaf).local(local);
-    let blobs: Vec<_> = BUILDS.into_iter().map(|build| to_vec(&mesh, &config(build))).collect();
+    let config = |(kind, rule)| Config::new(kind).rule(rule).leaf(leaf).cells(cells).local(local);
+    let blobs: Vec<_> = builds().map(|build| to_vec(&mesh, &config(build))).collect();
     let mut first: Option<Answers> = None;
-    for (build, blob) in BUILDS.into_iter().zip(&blobs) {
+    for (build, blob) in builds().zip(&blobs) {
         // Two more builds each, for a share of the runs: they cost as much as all the rest.
         arenas(&mesh, &config(build), blob, flags & 12 == 0);
         match blob {
@@ -167,19 +207,27 @@ fn agree(blob: &[u8], specs: &[Spec], first: &mut Option<Answers>, build: (Kind,
 
 /// The builder without a heap: the same bytes or the same error, and too little memory is said and harms nothing.
 fn arenas(mesh: &Mesh<'_>, config: &Config, expected: &std::result::Result<Vec<u8>, BuildError>, narrow: bool) {
-    let (mut refs, mut nodes) = (heapless::Vec::<Ref, PRIMS>::new(), heapless::Vec::<Node, PRIMS>::new());
-    let (mut cells, mut slots) = (heapless::Vec::<u32, WORDS>::new(), heapless::Vec::<u32, WORDS>::new());
-    let mut arena = Arena { refs: &mut refs, nodes: &mut nodes, cells: &mut cells, slots: &mut slots };
-    let needs = Needs::new(mesh, config).expect("a small mesh");
-    let mut out = Buffer::zeroed(needs.bytes + 64);
-    let built = into(mesh, config, &mut arena, &mut out);
-    assert_eq!(built, expected.as_deref().map_err(|e| *e), "the arena's bytes are not those of to_vec, {config:?}");
-    let Ok(blob) = expected else { return };
-    assert!(blob.len() <= needs.bytes, "the needs were {needs:?}, the blob took {}", blob.len());
-    if narrow {
-        short(mesh, config, &mut arena, blob);
-        small(mesh, config, blob, needs);
+    let needs = match Needs::new(mesh, config) {
+        Ok(needs) => needs,
+        Err(error) => return assert_eq!(expected.as_ref().err(), Some(&error), "needs and build, {config:?}"),
+    };
+    let enough = Memory::<NODES, WORDS>::holds(&needs);
+    ARENAS[usize::from(!enough)].fetch_add(1, Ordering::Relaxed);
+    if !enough {
+        return;
     }
+    MEMORY.with_borrow_mut(|memory| {
+        let arena = &mut memory.arena();
+        let mut out = Buffer::zeroed(needs.bytes + 64);
+        let built = into(mesh, config, arena, &mut out);
+        assert_eq!(built, expected.as_deref().map_err(|e| *e), "the arena's bytes are not those of to_vec, {config:?}");
+        let Ok(blob) = expected else { return };
+        assert!(blob.len() <= needs.bytes, "the needs were {needs:?}, the blob took {}", blob.len());
+        if narrow {
+            short(mesh, config, arena, blob);
+            small(mesh, config, blob, needs);
+        }
+    });
 }
 
 /// An output buffer that is one byte too short is left alone.
@@ -191,16 +239,21 @@ fn short(mesh: &Mesh<'_>, config: &Config, arena: &mut Arena<'_>, blob: &[u8]) {
     assert!(short == vec![0xa5; short.len()], "a refused buffer was written to");
 }
 
-/// An arena that may be too small for the nodes: the same bytes, or what would be enough.
+/// An arena that may be too small for nodes, cells or lists: the same bytes, or what would be enough.
 fn small(mesh: &Mesh<'_>, config: &Config, blob: &[u8], needs: Needs) {
-    let (mut refs, mut nodes) = (heapless::Vec::<Ref, PRIMS>::new(), heapless::Vec::<Node, 4>::new());
-    let (mut cells, mut slots) = (heapless::Vec::<u32, WORDS>::new(), heapless::Vec::<u32, WORDS>::new());
-    let mut arena = Arena { refs: &mut refs, nodes: &mut nodes, cells: &mut cells, slots: &mut slots };
+    const ROOM: usize = 4;
+    let mut memory = Memory::<ROOM, ROOM>::new();
     let mut out = vec![0; blob.len()];
-    match into(mesh, config, &mut arena, &mut out) {
+    match into(mesh, config, &mut memory.arena(), &mut out) {
         Ok(built) => assert_eq!(built, blob, "a small arena changed the bytes, {config:?}"),
-        Err(BuildError::Full { needed, had, .. }) => {
-            assert!(had == 4 && needed > 4 && needed <= needs.nodes, "needs {needs:?}, but {needed} of {had}");
+        Err(BuildError::Full { what, needed, had }) => {
+            let most = match what {
+                What::Nodes => needs.nodes,
+                What::Cells => needs.cells,
+                What::Slots => needs.slots,
+                _ => panic!("{what:?} were not too small, {config:?}"),
+            };
+            assert!(had == ROOM && needed > ROOM && needed <= most, "{what:?}: {needed} of {had}, {needs:?}");
             assert!(out == vec![0; out.len()], "a failed build wrote");
         }
         Err(error) => panic!("a small arena turned success into {error:?}"),

@@ -1,5 +1,5 @@
 //! Good blobs, to be damaged: every structure, rule and mix of primitives, from none to a hundred.
-use flashray::blob::Buffer;
+use flashray::blob::{Buffer, KINDS};
 use flashray::build::{Config, Mesh, Rule, to_vec};
 use flashray::{Aabb, Cone, Cylinder, Kind, Sphere};
 use std::sync::OnceLock;
@@ -13,15 +13,20 @@ pub struct Good {
 }
 
 const COUNTS: [usize; 6] = [0, 1, 2, 15, 16, 100];
-const BUILDS: [(Kind, Rule, &str); 3] =
-    [(Kind::List, Rule::Sah, "list"), (Kind::Bvh, Rule::Seed, "bvh-seed"), (Kind::Bvh, Rule::Sah, "bvh-sah")];
+
+/// Every way to build, the list first: it has no rule.
+pub fn builds() -> impl Iterator<Item = (Kind, Rule)> {
+    let rules = |kind| if kind == Kind::List { &[Rule::Sah][..] } else { &[Rule::Seed, Rule::Sah] };
+    KINDS.iter().flat_map(move |&(kind, _)| rules(kind).iter().map(move |&rule| (kind, rule)))
+}
 
 /// All of them, built once.
 pub fn all() -> &'static [Good] {
     static ALL: OnceLock<Vec<Good>> = OnceLock::new();
     ALL.get_or_init(|| {
         let mut all = Vec::new();
-        for (kind, rule, name) in BUILDS {
+        for (kind, rule) in builds() {
+            let name = format!("{}-{rule:?}", kind.name()).to_lowercase();
             for (count, mixed) in COUNTS.into_iter().flat_map(|n| [(n, false), (n, true)]) {
                 let config = Config::new(kind).rule(rule).leaf(if mixed { 3 } else { 8 });
                 let name = format!("{name}-{}{count}", if mixed { "mixed" } else { "triangles" });
@@ -29,6 +34,7 @@ pub fn all() -> &'static [Good] {
                 all.push(Good { name, bytes: Buffer::from(&blob[..]) });
             }
         }
+        assert!(all.len() <= 256, "a byte picks one");
         all
     })
 }

@@ -15,12 +15,13 @@ pub fn survive(scene: &Scene<'_>, ray: &Ray) {
     }
     let _ = scene.any_hit(ray);
     let _ = scene.closest_hit_within(ray, FUEL);
-    let nodes = scene.bvh().map_or(0, |view| view.nodes.len() as u64);
     let (counted, steps) = scene.closest_hit_counted(ray);
     assert!(same(hit, counted), "counting changed the answer from {hit:?} to {counted:?} for {ray:?}");
-    // The step that can not be paid is counted too: at most a leaf.
+    // The step that can not be paid is counted too: at most a leaf of a hierarchy, or a list of all references. The
+    // steps of the header are true even here.
     let spent = u64::from(steps.nodes) + u64::from(steps.prims);
-    let most = nodes + u64::from(scene.len()) + 15;
+    let limit = u64::from(scene.limits().steps);
+    let most = limit + if matches!(scene.kind(), Kind::List | Kind::Bvh) { 15 } else { limit.max(15) };
     assert!(spent <= most, "{steps:?} is beyond {most} for {ray:?}");
 }
 
@@ -52,8 +53,7 @@ impl<'a> Judge<'a> {
         let prims = Prims::parse(&blob).expect("an accepted blob has primitives");
         let limits = scene.limits();
         assert!(limits.stack <= MAX_STACK, "{limits:?} is beyond the library's stack");
-        let nodes = scene.bvh().map_or(0, |view| view.nodes.len() as u32);
-        assert_eq!(limits.steps, nodes + prims.len, "the most steps are all nodes and all primitives");
+        steps_fit(&scene);
         let mut ids: Vec<_> = (0..prims.len).map(|slot| prims.id(slot)).collect();
         ids.sort_unstable();
         assert!(ids.last().is_none_or(|&id| id < prims.len), "a number beyond the primitives was accepted: {ids:?}");
@@ -125,6 +125,20 @@ impl<'a> Judge<'a> {
             let scene = Scene::trust(&alone).expect("a list of one can be parsed");
             same(scene.closest_hit(&ray.within(hit.t, hit.t)), Some(hit))
         })
+    }
+}
+
+/// The most steps are those of all nodes or cells, and of all that they list; leaves of a hierarchy cost no step.
+fn steps_fit(scene: &Scene<'_>) {
+    let (mut parts, mut listed, steps) = (0, 0, scene.limits().steps);
+    scene.parts(|part| {
+        parts += 1;
+        listed += part.listed.unwrap_or(0);
+    });
+    assert!(listed >= scene.len(), "{} of {} primitives are listed", listed, scene.len());
+    assert!((listed..=listed + parts).contains(&steps), "{steps} steps of {parts} parts that list {listed}");
+    if let Some(view) = scene.bvh() {
+        assert_eq!(steps, view.nodes.len() as u32 + scene.len(), "the most steps are all nodes and all primitives");
     }
 }
 

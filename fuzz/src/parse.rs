@@ -1,14 +1,16 @@
 //! Arbitrary bytes as a blob.
 //!
 //! Data: a mode, two rays, the rest. By mode the rest is a blob as it is; a blob whose magic, version, length and
-//! checksum are put right; or the contents of sections, under a header and a table that fit them.
+//! checksum are put right; or the contents of sections, under a header and a table that fit them: flags, the structure
+//! by its place among `KINDS`, five counts of primitives, perhaps bounds, the primitives, perhaps references and numbers;
+//! then for each section of the structure's own its length in words (2 bytes) and its bytes.
 use crate::judge::{Judge, survive};
 use crate::rays::{Spec, specs};
 use crate::seal;
 use arbitrary::{Result, Unstructured};
 use flashray::blob::prims::REF_BITS;
 use flashray::blob::write::{Facts, Layout};
-use flashray::blob::{Buffer, Section};
+use flashray::blob::{Buffer, KINDS, Section};
 use flashray::{Aabb, Kind, Scene};
 
 /// Rays of one run.
@@ -24,8 +26,6 @@ pub const PRIMS: [(Section, usize); 5] = [
 
 /// Bits of the flags before the sections.
 pub mod flags {
-    /// The structure is a bvh, not a list.
-    pub const BVH: u8 = 1;
     /// There is a section of the caller's numbers.
     pub const IDS: u8 = 2;
     /// References come from the data; otherwise the kinds follow each other.
@@ -79,8 +79,8 @@ pub fn load(blob: &[u8], rays: &[Spec]) {
 /// Contents of sections, under a header and a table that fit them.
 fn sections(u: &mut Unstructured<'_>) -> Result<Buffer> {
     let flags = u.arbitrary::<u8>()?;
+    let (kind, _) = KINDS[usize::from(u.arbitrary::<u8>()?) % KINDS.len()];
     let counts: [u8; 5] = u.arbitrary()?;
-    let nodes = usize::from(u.arbitrary::<u8>()?);
     let bounds = if flags & flags::BOUNDS == 0 { [0; 6] } else { u.arbitrary()? };
     let mut parts: Vec<(Section, Vec<u8>)> = Vec::new();
     let (mut prims, mut refs) = (0, Vec::new());
@@ -98,10 +98,13 @@ fn sections(u: &mut Unstructured<'_>) -> Result<Buffer> {
     }
     parts.push((Section::Refs, refs));
     parts.push((Section::Ids, if flags & flags::IDS == 0 { Vec::new() } else { filled(u, prims) }));
-    let nodes = if flags & flags::BVH == 0 { &[] } else { upto(u, nodes * 64) };
-    parts.push((Section::BvhNodes, nodes[..nodes.len() / 64 * 64].to_vec()));
+    for &section in kind.sections() {
+        let words = usize::from(u.arbitrary::<u16>()?);
+        let bytes = upto(u, words * 4);
+        parts.push((section, bytes[..bytes.len() / 4 * 4].to_vec()));
+    }
     let [a, b, c, d, e, f] = bounds.map(f32::from_bits);
-    Ok(assemble(flags, prims, Aabb { min: [a, b, c], max: [d, e, f] }, &parts))
+    Ok(assemble(kind, flags, prims, Aabb { min: [a, b, c], max: [d, e, f] }, &parts))
 }
 
 /// A word for each primitive, zeros where the data end.
@@ -112,11 +115,10 @@ fn filled(u: &mut Unstructured<'_>, prims: u32) -> Vec<u8> {
     bytes
 }
 
-fn assemble(flags: u8, prims: u32, bounds: Aabb, parts: &[(Section, Vec<u8>)]) -> Buffer {
+fn assemble(kind: Kind, flags: u8, prims: u32, bounds: Aabb, parts: &[(Section, Vec<u8>)]) -> Buffer {
     let table: Vec<_> = parts.iter().map(|(section, bytes)| (*section, bytes.len() as u32, 1)).collect();
     let layout = Layout::new(&table).expect("a small blob");
     let mut out = Buffer::zeroed(layout.len());
-    let kind = if flags & flags::BVH == 0 { Kind::List } else { Kind::Bvh };
     let facts = Facts { kind, prims, stack: 0, steps: prims, bounds, local: [0.0; 3] };
     let mut writer = layout.start(&mut out, &facts).expect("a buffer of the layout's length");
     for (section, bytes) in parts {

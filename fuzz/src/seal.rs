@@ -1,7 +1,7 @@
 //! Puts right what a header says about its bytes, so that a mutation reaches what the checksum would hide.
+use flashray::Scene;
 use flashray::blob::prims::Prims;
-use flashray::blob::{Blob, Kind, crc32};
-use flashray::bvh::View;
+use flashray::blob::{Blob, Rule, crc32};
 
 /// Offsets in the header, as `docs/format.md` has them.
 pub const LENGTH: usize = 8;
@@ -39,15 +39,17 @@ pub fn seal(bytes: &mut [u8]) {
     put(bytes, CHECKSUM, sum);
 }
 
-/// The true steps too, and the true stack where the structure is sound enough to have one.
+/// The true steps too, and the true stack where the structure is sound enough to have one: whatever the structure, the
+/// refusal itself says what is true.
 pub fn mend(bytes: &mut [u8]) {
-    if let Some((stack, steps)) = truth(bytes) {
-        if let Some(stack) = stack {
-            put(bytes, STACK, stack);
-        }
-        put(bytes, STEPS, steps);
-    }
     seal(bytes);
+    for (rule, place) in [(Rule::StepsTrue, STEPS), (Rule::StackTrue, STACK)] {
+        let Err(error) = Scene::from_bytes(bytes) else { return };
+        if error.rule == rule {
+            put(bytes, place, error.needed);
+            seal(bytes);
+        }
+    }
 }
 
 /// The bounds of the primitives, where these have any.
@@ -58,18 +60,5 @@ pub fn tighten(bytes: &mut [u8]) {
         for (k, x) in bounds.min.into_iter().chain(bounds.max).enumerate() {
             put(bytes, BOUNDS + 4 * k, x.to_bits());
         }
-    }
-}
-
-fn truth(bytes: &[u8]) -> Option<(Option<u32>, u32)> {
-    let blob = Blob::parse(bytes).ok()?;
-    let prims = Prims::parse(&blob).ok()?;
-    match blob.header().kind()? {
-        Kind::List => Some((Some(0), prims.len)),
-        Kind::Bvh => {
-            let view = View::parse(&blob).ok()?;
-            Some((view.check(&prims, &blob.header().bounds).ok(), view.nodes.len() as u32 + prims.len))
-        }
-        _ => None,
     }
 }

@@ -39,7 +39,8 @@ pub enum BuildError {
         /// How many vertices there are.
         vertices: usize,
     },
-    /// A primitive has a NaN or infinite number, a negative radius, a box with `min > max`, or an unknown flag.
+    /// A primitive has a NaN or infinite number, a negative radius, a box with `min > max`, or an unknown flag; or it goes
+    /// beyond 2^126 along an axis, counted from the local origin.
     Primitive {
         /// Its number.
         prim: u32,

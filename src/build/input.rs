@@ -5,6 +5,10 @@ use crate::geom::vec::Vec3;
 use crate::geom::{Aabb, Triangle};
 use crate::grid::Shape;
 
+/// Primitives reach no farther than this from the local origin, along each axis. So the extent of a scene is a number, and
+/// so are all planes of a structure that parts it.
+const REACH: f32 = 85_070_591_730_234_615_865_843_651_857_942_052_864.0; // 2^126
+
 /// A checked mesh relative to its local origin.
 #[derive(Clone, Copy, Debug)]
 pub struct Input<'a> {
@@ -25,11 +29,12 @@ impl<'a> Input<'a> {
         config.check()?;
         let len = mesh.len()?;
         let mut all = Aabb::EMPTY;
+        let room = Aabb { min: [-REACH; 3], max: [REACH; 3] };
         for prim in 0..len {
             let (_, primitive) = mesh.get(prim, config.local)?;
             let bounds = primitive.bounds();
             // The box of a huge primitive may overflow although its own numbers do not.
-            if !primitive.is_valid() || !bounds.is_valid() {
+            if !primitive.is_valid() || !bounds.is_valid() || !room.contains(&bounds) {
                 return Err(BuildError::Primitive { prim });
             }
             all = all.join(&bounds);
