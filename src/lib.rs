@@ -55,6 +55,7 @@ pub mod grid;
 pub mod list;
 mod num;
 mod scene;
+pub mod voxel;
 pub mod walk;
 
 pub use blob::{BlobError, Kind};

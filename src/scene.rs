@@ -6,7 +6,7 @@ use crate::geom::{Aabb, Hit, Ray};
 use crate::num::count;
 use crate::walk::mailbox::{Mailbox, NoMailbox};
 use crate::walk::{Best, Fuel, Meter, Part, Steps, Stop, Tally};
-use crate::{bvh, grid, list};
+use crate::{bvh, grid, list, voxel};
 
 /// What bounds every query on a blob.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -24,6 +24,7 @@ enum Structure<'a> {
     List,
     Bvh(bvh::View<'a>),
     Grid(grid::View<'a>),
+    Voxel(voxel::View<'a>),
 }
 
 /// A scene read in place: it borrows the blob, owns nothing, and can be copied.
@@ -77,7 +78,7 @@ impl<'a> Scene<'a> {
     /// itself carries.
     ///
     /// # Errors
-    /// One of rules 1 to 13, 24 or 25, if the blob breaks any.
+    /// One of rules 1 to 13, 24, 25 or 30, if the blob breaks any.
     pub fn trust(bytes: &'a [u8]) -> Result<Self, BlobError> {
         Self::parse(&Blob::parse(bytes)?)
     }
@@ -96,6 +97,10 @@ impl<'a> Scene<'a> {
                 let view = grid::View::parse(blob)?;
                 (Structure::Grid(view), view.steps())
             }
+            Kind::Voxel => {
+                let view = voxel::View::parse(blob)?;
+                (Structure::Voxel(view), view.steps())
+            }
         };
         if header.steps != fuel {
             return Err(BlobError::new(Rule::StepsTrue, Section::Header).found(header.steps).needed(fuel));
@@ -111,6 +116,7 @@ impl<'a> Scene<'a> {
             Structure::List => 0,
             Structure::Bvh(view) => view.check(&self.prims, self.bounds)?,
             Structure::Grid(view) => view.check(&self.prims)?,
+            Structure::Voxel(view) => view.check(&self.prims)?,
         };
         let error = BlobError::new(Rule::StackTrue, Section::Header).found(header.stack).needed(stack);
         if header.stack == stack { Ok(()) } else { Err(error) }
@@ -233,6 +239,7 @@ impl<'a> Scene<'a> {
             Structure::List => list::walk::<ANY>(&self.prims, &ray, &mut best, meter)?,
             Structure::Bvh(view) => bvh::walk::<ANY>(view, &self.prims, &ray, &mut best, meter)?,
             Structure::Grid(view) => view.walk::<ANY>(&self.prims, &ray, &mut best, meter, mailbox)?,
+            Structure::Voxel(view) => view.walk::<ANY>(&self.prims, &ray, &mut best, meter, mailbox)?,
         };
         Ok(best.hit().map(|hit| Hit { t: hit.t * ray.unit, ..hit }))
     }
@@ -286,6 +293,7 @@ impl<'a> Scene<'a> {
             Structure::List => each(Part { bounds: *self.bounds, level: 0, listed: Some(self.prims.len) }),
             Structure::Bvh(view) => view.parts(&self.prims, self.bounds, &mut each),
             Structure::Grid(view) => view.parts(&mut each),
+            Structure::Voxel(view) => view.parts(&mut each),
         }
     }
 
@@ -299,5 +307,11 @@ impl<'a> Scene<'a> {
     #[must_use]
     pub const fn grid(&self) -> Option<grid::View<'a>> {
         if let Structure::Grid(view) = self.structure { Some(view) } else { None }
+    }
+
+    /// The sparse voxels, if this is them.
+    #[must_use]
+    pub const fn voxel(&self) -> Option<voxel::View<'a>> {
+        if let Structure::Voxel(view) = self.structure { Some(view) } else { None }
     }
 }

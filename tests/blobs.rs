@@ -2,6 +2,7 @@
 use crate::common::meshes::{icosphere, mixed};
 use crate::common::{bits, build, configs, mesh};
 use crate::soup::Soup;
+use crate::voxel;
 use flashray::blob::{Buffer, Entry, Header, Rule, Section, crc32};
 use flashray::build::{Arena, BuildError, Config, Mesh, Needs, What, into, to_vec};
 use flashray::bvh::{Child, Node};
@@ -17,17 +18,17 @@ fn good() -> Vec<u8> {
     build(&mixed(60, 1), &Config::new(Kind::Bvh).leaf(3)).to_vec()
 }
 
-fn load(bytes: &[u8]) -> Result<(), BlobError> {
+pub fn load(bytes: &[u8]) -> Result<(), BlobError> {
     Scene::from_bytes(&Buffer::from(bytes)).map(|_| ())
 }
 
-fn header(bytes: &mut [u8], edit: impl FnOnce(&mut Header)) {
+pub fn header(bytes: &mut [u8], edit: impl FnOnce(&mut Header)) {
     let mut header: Header = bytemuck::pod_read_unaligned(&bytes[..HEADER]);
     edit(&mut header);
     bytes[..HEADER].copy_from_slice(bytemuck::bytes_of(&header));
 }
 
-fn entries(bytes: &[u8]) -> Vec<Entry> {
+pub fn entries(bytes: &[u8]) -> Vec<Entry> {
     let header: Header = bytemuck::pod_read_unaligned(&bytes[..HEADER]);
     bytes[HEADER..HEADER + header.sections as usize * size_of::<Entry>()]
         .chunks_exact(size_of::<Entry>())
@@ -43,7 +44,7 @@ fn set_entry(bytes: &mut [u8], at: usize, edit: impl FnOnce(&mut Entry)) {
 }
 
 /// Edits entry `at` of a section.
-fn edit<T: bytemuck::Pod>(bytes: &mut [u8], section: Section, at: usize, edit: impl FnOnce(&mut T)) {
+pub fn edit<T: bytemuck::Pod>(bytes: &mut [u8], section: Section, at: usize, edit: impl FnOnce(&mut T)) {
     let entry = entries(bytes).into_iter().find(|e| e.section == section.number()).expect("the section is there");
     let start = entry.offset as usize + at * size_of::<T>();
     let mut value: T = bytemuck::pod_read_unaligned(&bytes[start..start + size_of::<T>()]);
@@ -52,12 +53,12 @@ fn edit<T: bytemuck::Pod>(bytes: &mut [u8], section: Section, at: usize, edit: i
 }
 
 /// Puts the right length and checksum on edited bytes.
-fn seal(bytes: &mut [u8]) {
+pub fn seal(bytes: &mut [u8]) {
     let sum = crc32(&bytes[16..]);
     header(bytes, |h| h.checksum = sum);
 }
 
-type Break = fn(&mut Vec<u8>);
+pub type Break = fn(&mut Vec<u8>);
 
 /// A blob of 60 primitives of all kinds in a grid of cells for each.
 fn good_grid() -> Vec<u8> {
@@ -65,7 +66,7 @@ fn good_grid() -> Vec<u8> {
 }
 
 /// A section as words.
-fn words(bytes: &[u8], section: Section) -> Vec<u32> {
+pub fn words(bytes: &[u8], section: Section) -> Vec<u32> {
     let entry = entries(bytes).into_iter().find(|e| e.section == section.number()).expect("the section is there");
     let words = bytes[entry.offset as usize..][..entry.length as usize].chunks_exact(4);
     words.map(|w| u32::from_le_bytes(w.try_into().expect("4 bytes"))).collect()
@@ -119,9 +120,14 @@ const GRID_BREAKS: &[(Rule, Break)] = &[
 
 #[test]
 fn rules_about_grids_are_broken_one_by_one() {
-    assert_eq!(load(&good_grid()), Ok(()));
-    for (i, (rule, edit)) in GRID_BREAKS.iter().enumerate() {
-        let mut bytes = good_grid();
+    break_one_by_one(&good_grid(), GRID_BREAKS);
+}
+
+/// Makes each edit of a good blob, which must break its rule and leave queries safe.
+pub fn break_one_by_one(good: &[u8], breaks: &[(Rule, Break)]) {
+    assert_eq!(load(good), Ok(()));
+    for (i, (rule, edit)) in breaks.iter().enumerate() {
+        let mut bytes = good.to_vec();
         edit(&mut bytes);
         seal(&mut bytes);
         let error = load(&bytes).expect_err(rule.text());
@@ -216,7 +222,7 @@ fn every_rule_has_an_edit_that_breaks_exactly_it() {
         assert!(error.to_string().starts_with(&format!("rule {}, ", rule.number())), "{error}");
     }
     // The one rule that is not about the bytes but about where they lie.
-    let all = BREAKS.iter().chain(GRID_BREAKS);
+    let all = BREAKS.iter().chain(GRID_BREAKS).chain(voxel::FLAT_BREAKS).chain(voxel::BLOCKS_BREAKS);
     let tested: Vec<_> = all.map(|(rule, _)| *rule).chain([Rule::Alignment]).collect();
     for rule in Rule::ALL {
         assert!(tested.contains(rule), "rule {} has no test", rule.number());
@@ -331,7 +337,7 @@ fn building_in_lent_memory_gives_the_same_bytes_and_says_what_is_full() {
         let needs = Needs::new(&mesh, &config).expect("small enough");
         assert!(needs.refs >= 100 && needs.bytes >= expected.len());
         let (mut refs, mut nodes) = (heapless::Vec::<_, 4096>::new(), heapless::Vec::<_, 99>::new());
-        let (mut cells, mut slots) = (heapless::Vec::<_, 65536>::new(), heapless::Vec::<_, 65536>::new());
+        let (mut cells, mut slots) = (heapless::Vec::<_, 131_072>::new(), heapless::Vec::<_, 65536>::new());
         let mut arena = Arena { refs: &mut refs, nodes: &mut nodes, cells: &mut cells, slots: &mut slots };
         let mut out = vec![0xa5; needs.bytes];
         assert_eq!(into(&mesh, &config, &mut arena, &mut out), Ok(&expected[..]));
@@ -436,6 +442,9 @@ fn golden() -> Vec<(&'static str, Soup, Config)> {
         ("v1-bvh-seed-sphere-80", icosphere(1), Config::new(Kind::Bvh).rule(flashray::build::Rule::Seed)),
         ("v1-grid-empty", Soup::default(), Config::new(Kind::Grid)),
         ("v1-grid-mixed-100", mixed(100, 5), Config::new(Kind::Grid)),
+        ("v1-voxel-empty", Soup::default(), Config::new(Kind::Voxel)),
+        ("v1-voxel-mixed-100", mixed(100, 5), Config::new(Kind::Voxel).cells(12)),
+        ("v1-voxel-seed-mixed-100", mixed(100, 5), Config::new(Kind::Voxel).rule(flashray::build::Rule::Seed)),
         ("v1-bvh-local-sphere-80", icosphere(1), Config::new(Kind::Bvh).local([0.25, -0.5, 8.0])),
     ]
 }

@@ -134,3 +134,114 @@ fn the_walk_visits_the_cells_whose_interval_is_not_empty_and_each_once() {
     }
     assert!(most > 20, "no ray met more than {most} cells");
 }
+
+/// A ray whose numbers are whole, and small enough for `f32`.
+#[derive(Clone, Copy, Debug)]
+struct Whole {
+    from: [i64; 3],
+    dir: [i64; 3],
+}
+
+/// Calls `each` with every cell of `0..n` that the line `t >= 0` crosses, in order, and whether its chord is longer than
+/// a thousandth of a cell. Planes are at whole numbers, so a crossing is a fraction, and fractions are compared by
+/// cross multiplication.
+fn exact(ray: Whole, n: i64, mut each: impl FnMut([u32; 3], bool)) {
+    let Whole { from, dir } = ray;
+    // On each axis the fractions `(plane - from) / dir`, over positive denominators, of entry and exit.
+    let at =
+        |k: usize, plane: i64| ((i128::from(plane - from[k]) * i128::from(dir[k].signum())), i128::from(dir[k].abs()));
+    let less = |a: (i128, i128), b: (i128, i128)| a.0 * b.1 < b.0 * a.1;
+    let (mut t, mut end) = ((0, 1), None);
+    for k in 0..3 {
+        if dir[k] == 0 {
+            // In a plane the chord lies in two cells' surfaces: then neither must be visited.
+            if from[k] < 0 || from[k] >= n {
+                return;
+            }
+            continue;
+        }
+        let (a, b) = if dir[k] > 0 { (at(k, 0), at(k, n)) } else { (at(k, n), at(k, 0)) };
+        t = if less(t, a) { a } else { t };
+        end = Some(end.map_or(b, |e| if less(b, e) { b } else { e }));
+    }
+    let end = end.expect("a direction");
+    if !less(t, end) {
+        return;
+    }
+    // The cell just after `t`: floor of the place, and for a falling coordinate that is whole the cell below.
+    let place = |k: usize| {
+        let x = i128::from(from[k]) * t.1 + t.0 * i128::from(dir[k]);
+        let whole = x.div_euclid(t.1);
+        if dir[k] < 0 && whole * t.1 == x { whole - 1 } else { whole }
+    };
+    let mut cell = [0, 1, 2].map(|k| i64::try_from(place(k)).expect("small"));
+    let square = dir.iter().map(|&d| i128::from(d) * i128::from(d)).sum::<i128>();
+    while less(t, end) {
+        let next = |k: usize| (dir[k] != 0).then(|| at(k, cell[k] + i64::from(dir[k] > 0)));
+        let mut least = end;
+        for k in 0..3 {
+            least = next(k).filter(|&x| less(x, least)).unwrap_or(least);
+        }
+        // (difference of fractions)^2 * |dir|^2 > 10^-6.
+        let (num, den) = (least.0 * t.1 - t.0 * least.1, least.1 * t.1);
+        each(cell.map(|i| u32::try_from(i).expect("inside")), num * num * square * 1_000_000 > den * den);
+        let crossed = [0, 1, 2].map(|k| next(k).is_some_and(|x| !less(least, x)));
+        for k in 0..3 {
+            cell[k] += if crossed[k] { dir[k].signum() } else { 0 };
+        }
+        t = least;
+    }
+}
+
+/// So many rays through `n` cells along each axis. Returns how many cells were visited, how many the line crosses, and
+/// how many of those that it crosses for more than a thousandth of a cell.
+fn against_whole_numbers(n: u32, rays: usize, random: &mut Random) -> [u64; 3] {
+    let lattice = Lattice { min: [0.0; 3], cell: [1.0; 3] };
+    let b = Aabb { min: [0.0; 3], max: [n as f32; 3] };
+    let size = i64::from(n);
+    let mut counts = [0; 3];
+    for _ in 0..rays {
+        let mut any = |low: i64, high: i64| low + random.below((high - low) as usize) as i64;
+        let from = [0, 1, 2].map(|_| any(-size, 2 * size));
+        let to = [0, 1, 2].map(|_| any(0, size));
+        let mut dir = [0, 1, 2].map(|k| to[k] - from[k]);
+        // Some along planes, and some along diagonals.
+        match any(0, 16) {
+            0 => dir[any(0, 3) as usize] = 0,
+            1 => dir[any(0, 3) as usize] = dir[0],
+            2 => dir = dir.map(i64::signum),
+            _ => {}
+        }
+        if dir == [0; 3] {
+            continue;
+        }
+        let whole = Whole { from, dir };
+        let single = |v: [i64; 3]| v.map(|x| x as f32);
+        let ray = Prepared::new(&Ray::new(single(from), single(dir)), &b, [0.0; 3]).expect("a ray");
+        let walked = visited(&ray, &lattice, ([0; 3], [n; 3]), f32::INFINITY);
+        counts[0] += walked.len() as u64;
+        let mut at = 0;
+        exact(whole, size, |cell, long| {
+            counts[1] += 1;
+            if long {
+                counts[2] += 1;
+                // Mostly the next; near an edge or a corner the order may differ.
+                let near = walked.iter().skip(at).position(|c| *c == cell).map(|i| at + i);
+                let found = near.or_else(|| walked.iter().position(|c| *c == cell));
+                at = found.unwrap_or_else(|| panic!("{cell:?} of {n} is not visited: {whole:?}"));
+            }
+        });
+    }
+    counts
+}
+
+/// `FLASHRAY_RAYS` is the number of rays, of which each resolution gets a quarter.
+#[test]
+fn the_walk_visits_every_cell_that_whole_numbers_say_it_crosses() {
+    let rays = std::env::var("FLASHRAY_RAYS").ok().and_then(|v| v.parse().ok()).unwrap_or(20_000);
+    for (i, n) in [16, 64, 256, 1024].into_iter().enumerate() {
+        let [visited, crossed, long] = against_whole_numbers(n, rays / 4, &mut Random::new(i as u64 + 1));
+        println!("{n} cells: {} rays, {visited} visited, {crossed} crossed, {long} of them for long", rays / 4);
+        assert!(long > 2 * rays as u64 && visited >= long);
+    }
+}

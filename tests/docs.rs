@@ -74,6 +74,11 @@ fn the_format_s_sections_and_kinds_are_the_code_s() {
         (Section::GridShape, size_of::<flashray::grid::Shape>()),
         (Section::CellStarts, 4),
         (Section::CellLists, 4),
+        (Section::VoxelTable, size_of::<flashray::voxel::Table>()),
+        (Section::VoxelBits, 4),
+        (Section::VoxelIndex, 4),
+        (Section::VoxelStarts, 4),
+        (Section::VoxelLists, 4),
     ];
     assert_eq!(sizes.map(|(s, _)| s), Section::LISTED);
     for (section, size) in sizes {
@@ -90,7 +95,7 @@ fn the_format_s_sections_and_kinds_are_the_code_s() {
 fn tables_in_the_source_are_those_of_the_format() {
     let text = read("docs/format.md");
     let format = rows(&text);
-    for path in ["src/blob/header.rs", "src/bvh/mod.rs", "src/grid/mod.rs"] {
+    for path in ["src/blob/header.rs", "src/bvh/mod.rs", "src/grid/mod.rs", "src/voxel/mod.rs"] {
         let source = read(path);
         let table: Vec<_> = rows(&source).into_iter().filter(|r| r.len() == 4 && r[0].parse::<u32>().is_ok()).collect();
         assert!(table.len() >= 3, "{path} has its table");

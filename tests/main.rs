@@ -29,5 +29,6 @@ mod firmware;
 mod geometry;
 #[path = "spd.rs"]
 mod spd_hits;
+mod voxel;
 mod watertight;
 mod web;

@@ -79,6 +79,16 @@ rules! {
     ListOrder = 27, "lists ascend, and each slot appears, first after all lower ones";
     /// A cell lists every primitive that has a part in it.
     ListComplete = 28, "a cell lists every primitive that has a part in it";
+    /// A voxel table's form is known, and its counts are what the sections hold.
+    VoxelTable = 30, "a voxel table's form is known, and its counts are what the sections hold";
+    /// As many bits are on as the counts say, and none is that is no voxel's or block's.
+    VoxelBits = 31, "as many bits are on as the counts say, and none that is no voxel's or block's";
+    /// Buckets follow each other, and hold the voxels whose bits are on, each in its own, in ascending order.
+    VoxelBuckets = 32, "buckets hold the voxels whose bits are on, each in its own, in ascending order";
+    /// Each block whose bit is on has a mask with a bit on, none outside of the grid, and counts before masks are true.
+    VoxelMasks = 33, "each block whose bit is on has a voxel, none outside of the grid, and counts are true";
+    /// Bits after packed numbers are 0.
+    PackedEnd = 34, "bits after packed numbers are 0";
 }
 
 impl Rule {
@@ -119,6 +129,16 @@ pub enum Section {
     CellStarts = 18,
     /// The slots that cells list.
     CellLists = 19,
+    /// The form and the counts of sparse voxels, one entry of 24 bytes.
+    VoxelTable = 20,
+    /// Bits of voxels, or of blocks with counts.
+    VoxelBits = 21,
+    /// What finds a voxel's list: buckets, or masks with counts.
+    VoxelIndex = 22,
+    /// Where each voxel's list starts, and where the last one ends, packed.
+    VoxelStarts = 23,
+    /// The slots that voxels list, packed.
+    VoxelLists = 24,
     /// The section table.
     Table = 255,
 }
@@ -137,6 +157,11 @@ impl Section {
         Self::GridShape,
         Self::CellStarts,
         Self::CellLists,
+        Self::VoxelTable,
+        Self::VoxelBits,
+        Self::VoxelIndex,
+        Self::VoxelStarts,
+        Self::VoxelLists,
     ];
 
     /// The section's number in the table.
@@ -162,6 +187,11 @@ impl Section {
             Self::GridShape => "grid shape",
             Self::CellStarts => "cell starts",
             Self::CellLists => "cell lists",
+            Self::VoxelTable => "voxel table",
+            Self::VoxelBits => "voxel bits",
+            Self::VoxelIndex => "voxel index",
+            Self::VoxelStarts => "voxel starts",
+            Self::VoxelLists => "voxel lists",
             Self::Table => "section table",
         }
     }

@@ -6,7 +6,7 @@
 //! | 4 | 4 | `version` | 1 |
 //! | 8 | 4 | `length` | bytes of the whole blob |
 //! | 12 | 4 | `checksum` | CRC-32 (ISO-HDLC) of the bytes from 16 to the end |
-//! | 16 | 4 | `kind` | the structure: 1 list, 2 bvh, 3 grid |
+//! | 16 | 4 | `kind` | the structure: 1 list, 2 bvh, 3 grid, 4 voxel |
 //! | 20 | 4 | `prims` | number of primitives, below 2^28 |
 //! | 24 | 4 | `stack` | deepest stack of a walk, in entries, at most 64 |
 //! | 28 | 4 | `steps` | most steps of a walk: nodes visited and primitives tested |
@@ -43,10 +43,13 @@ pub enum Kind {
     Bvh = 2,
     /// Uniform grid, a list for every cell.
     Grid = 3,
+    /// Uniform grid, a list for every cell that has one.
+    Voxel = 4,
 }
 
 /// Every structure, with its name on the command line.
-pub const KINDS: &[(Kind, &str)] = &[(Kind::List, "list"), (Kind::Bvh, "bvh"), (Kind::Grid, "grid")];
+pub const KINDS: &[(Kind, &str)] =
+    &[(Kind::List, "list"), (Kind::Bvh, "bvh"), (Kind::Grid, "grid"), (Kind::Voxel, "voxel")];
 
 impl Kind {
     /// The structure's number in a header.
@@ -69,6 +72,7 @@ impl Kind {
             Self::List => &[],
             Self::Bvh => &[Section::BvhNodes],
             Self::Grid => &[Section::GridShape, Section::CellStarts, Section::CellLists],
+            Self::Voxel => crate::voxel::SECTIONS,
         }
     }
 }

@@ -52,23 +52,10 @@ impl<'a> Lists<'a> {
     /// # Errors
     /// The first rule that is broken, and where.
     pub fn check(&self, prims: &Prims<'_>) -> Result<(), BlobError> {
-        let mut last = 0;
-        for (i, &start) in self.starts.iter().enumerate() {
-            if start < last || (i == 0 && start != 0) {
-                return Err(BlobError::new(Rule::ListPlace, Section::CellStarts)
-                    .at(count(i))
-                    .found(start)
-                    .needed(last));
-            }
-            last = start;
-        }
-        if index(last) != self.slots.len() {
-            let error = BlobError::new(Rule::ListPlace, Section::CellStarts).at(count(self.starts.len()));
-            return Err(error.found(last).needed(count(self.slots.len())));
-        }
-        let mut order = Order::default();
+        check_starts(self.starts.iter().copied(), count(self.slots.len()), Section::CellStarts)?;
+        let mut order = Order::new(Section::CellLists);
         for cell in 0..count(self.len()) {
-            order.list(self.get(cell).unwrap_or(&[]))?;
+            order.list(self.get(cell).unwrap_or(&[]).iter().copied())?;
         }
         order.end(prims.len)
     }
@@ -78,31 +65,66 @@ impl<'a> Lists<'a> {
     /// # Errors
     /// The rule, if it is broken.
     pub fn check_listed(&self, cell: u32, bounds: &Aabb, slot: u32, prims: &Prims<'_>) -> Result<(), BlobError> {
-        let list = self.get(cell).unwrap_or(&[]);
-        if list.binary_search(&slot).is_ok() || !prims.get(slot).is_some_and(|p| p.overlaps(bounds)) {
-            return Ok(());
-        }
-        Err(BlobError::new(Rule::ListComplete, Section::CellStarts).at(cell).needed(slot))
+        let found = self.get(cell).unwrap_or(&[]).binary_search(&slot).is_ok();
+        complete(found, bounds, slot, prims, || BlobError::new(Rule::ListComplete, Section::CellStarts).at(cell))
     }
 }
 
+/// Rule 28: that a cell, whose box is `bounds`, has the primitive in `slot` if it needs it.
+///
+/// # Errors
+/// `broken`, if it is.
+pub fn complete(
+    found: bool,
+    bounds: &Aabb,
+    slot: u32,
+    prims: &Prims<'_>,
+    broken: impl FnOnce() -> BlobError,
+) -> Result<(), BlobError> {
+    if found || !prims.get(slot).is_some_and(|p| p.overlaps(bounds)) { Ok(()) } else { Err(broken().needed(slot)) }
+}
+
+/// Rule 26: that starts ascend from 0 to the number of slots listed.
+///
+/// # Errors
+/// The rule, if it is broken.
+pub fn check_starts(starts: impl Iterator<Item = u32>, slots: u32, section: Section) -> Result<(), BlobError> {
+    let broken = |at, found, needed| Err(BlobError::new(Rule::ListPlace, section).at(at).found(found).needed(needed));
+    let (mut last, mut n) = (0, 0);
+    for start in starts {
+        if start < last || (n == 0 && start != 0) {
+            return broken(n, start, last);
+        }
+        last = start;
+        n = n.saturating_add(1);
+    }
+    if last == slots { Ok(()) } else { broken(n, last, slots) }
+}
+
 /// Rule 27 for lists in order.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug)]
 pub struct Order {
     next: u32,
     listed: u32,
+    section: Section,
 }
 
 impl Order {
+    /// Before the first list; the slots are in `section`.
+    #[must_use]
+    pub const fn new(section: Section) -> Self {
+        Self { next: 0, listed: 0, section }
+    }
+
     /// The next list.
     ///
     /// # Errors
     /// The rule, if it is broken.
-    pub fn list(&mut self, slots: &[u32]) -> Result<(), BlobError> {
+    pub fn list(&mut self, slots: impl IntoIterator<Item = u32>) -> Result<(), BlobError> {
         let mut least = 0;
-        for &slot in slots {
+        for slot in slots {
             if slot < least || slot > self.next {
-                let error = BlobError::new(Rule::ListOrder, Section::CellLists).at(self.listed);
+                let error = BlobError::new(Rule::ListOrder, self.section).at(self.listed);
                 return Err(error.found(slot).needed(if slot < least { least } else { self.next }));
             }
             if slot == self.next {
@@ -122,6 +144,6 @@ impl Order {
         if self.next == prims {
             return Ok(());
         }
-        Err(BlobError::new(Rule::ListOrder, Section::CellLists).at(self.listed).found(self.next).needed(prims))
+        Err(BlobError::new(Rule::ListOrder, self.section).at(self.listed).found(self.next).needed(prims))
     }
 }

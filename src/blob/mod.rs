@@ -20,6 +20,7 @@ mod crc;
 mod error;
 mod header;
 pub mod lists;
+pub mod packed;
 pub mod prims;
 #[cfg(feature = "build")]
 pub mod write;

@@ -28,6 +28,7 @@ use crate::blob::write::{Facts, Layout};
 use crate::bvh::{self, Node};
 use crate::grid;
 use crate::num::index;
+use crate::voxel;
 use heapless::VecView;
 use parts::Parts;
 
@@ -94,8 +95,10 @@ impl Needs {
             Shape::List => (0, 0, 0),
             Shape::Bvh => (index(bvh::build::most_nodes(input.len)), 0, 0),
             Shape::Grid(plan) => (0, plan.words(), index(plan.listed)),
+            Shape::Voxel(plan) => (0, plan.words(), plan.slots()),
         };
-        let bytes = write::most_bytes(mesh, config.kind, nodes, cells + slots);
+        let scratch = if let Shape::Voxel(plan) = shape { plan.scratch() } else { 0 };
+        let bytes = write::most_bytes(mesh, config.kind, nodes, cells + slots - scratch);
         Self { refs, nodes, cells, slots, bytes }
     }
 }
@@ -140,6 +143,7 @@ enum Shape {
     List,
     Bvh,
     Grid(grid::build::Plan),
+    Voxel(voxel::build::Plan),
 }
 
 impl Shape {
@@ -148,6 +152,7 @@ impl Shape {
             Kind::List => Self::List,
             Kind::Bvh => Self::Bvh,
             Kind::Grid => Self::Grid(grid::build::Plan::new(input, config)?),
+            Kind::Voxel => Self::Voxel(voxel::build::Plan::new(input, config)?),
         })
     }
 }
@@ -191,6 +196,7 @@ impl<'p> Plan<'p> {
                 Built::Bvh(bvh::build::build(config, lent.refs, lent.nodes, &input.bounds, mesh.has_tubes())?)
             }
             Shape::Grid(plan) => Built::Parts(grid::build::build(input, plan, lent.refs, lent.cells, lent.slots)),
+            Shape::Voxel(plan) => Built::Parts(voxel::build::build(input, plan, lent.refs, lent.cells, lent.slots)),
         };
         let layout = write::layout(mesh, &built)?;
         let (stack, steps) = built.limits(input.len);

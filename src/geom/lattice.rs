@@ -47,6 +47,16 @@ impl Lattice {
         self.min[k.at()] + float(i) * self.cell[k.at()]
     }
 
+    /// Every fourth plane: plane `i` of the result is plane `4 i` of this, bit by bit.
+    ///
+    /// For `4 cell` is exact, unless it overflows, and so is the number `4 i`. Hence both products are the same real
+    /// number, rounded once. Where `4 cell` overflows, planes from 4 on are not finite either: such a lattice has
+    /// fewer than 4 cells, and the only block is without end.
+    #[must_use]
+    pub fn blocks(&self) -> Self {
+        Self { min: self.min, cell: self.cell.map(|c| c * 4.0) }
+    }
+
     /// The box of cells `first..last` along each axis.
     #[must_use]
     pub fn bounds(&self, first: [u32; 3], last: [u32; 3]) -> Aabb {

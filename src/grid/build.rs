@@ -17,15 +17,28 @@ use bytemuck::Zeroable;
 
 /// Words of a shape.
 pub const SHAPE_WORDS: usize = size_of::<Shape>() / 4;
-/// Cells a primitive that the seed's rule takes.
-const SEED_DENSITY: f32 = 1.0;
-/// Cells a primitive that are tried.
-const DENSITIES: [f32; 6] = [1.0, 2.0, 4.0, 8.0, 16.0, 32.0];
+/// What a resolution is chosen by.
+#[derive(Clone, Copy, Debug)]
+pub struct Choice {
+    /// Cells a primitive that are tried.
+    pub densities: &'static [f32],
+    /// Cost of a step to the next cell, in primitive tests.
+    pub step: f32,
+    /// There are fewer cells than so many.
+    pub cells: u32,
+}
+
+impl Choice {
+    /// That of the seed's rule for a grid: one cell a primitive.
+    pub const SEED: Self = Self { densities: &[1.0], ..Self::SAH };
+    /// That of least expected cost for a grid.
+    pub const SAH: Self = Self { densities: &[1.0, 2.0, 4.0, 8.0, 16.0, 32.0], step: 0.4, cells: 1 << 28 };
+}
+
 /// References that a primitive may have on average, by boxes, unless the caller names a resolution: a million in one
 /// place would otherwise be listed a million times.
 const MOST_LISTED: f32 = 32.0;
-/// Cost of a step to the next cell, in primitive tests.
-const STEP_COST: f32 = 0.4;
+
 /// A grid that is decided on but not made.
 #[derive(Clone, Copy, Debug)]
 pub struct Plan {
@@ -43,29 +56,36 @@ impl Plan {
     /// # Errors
     /// [`BuildError::TooLarge`] if there are 2^28 cells or references, or more.
     pub fn new(input: &Input<'_>, config: &Config) -> Result<Self, BuildError> {
+        Self::with(input, config, if config.rule == Rule::Seed { &Choice::SEED } else { &Choice::SAH })
+    }
+
+    /// The same by another choice, and its most cells.
+    ///
+    /// # Errors
+    /// [`BuildError::TooLarge`] if there are more cells, or 2^28 references or more.
+    pub fn with(input: &Input<'_>, config: &Config, choice: &Choice) -> Result<Self, BuildError> {
         let (b, n) = (&input.bounds, float(input.len));
         if input.len == 0 {
             return Ok(Self { shape: Shape::zeroed(), cells: 0, listed: 0 });
         }
         if config.cells > 0 {
             // So many along the longest side: whatever total that gives.
-            return Self::of(input, resolution(b, f32::INFINITY, config.cells));
+            return Self::of(input, resolution(b, f32::INFINITY, config.cells), choice.cells);
         }
-        let densities = if config.rule == Rule::Seed { &[SEED_DENSITY][..] } else { &DENSITIES[..] };
         let mut best: Option<(f32, [u32; 3])> = None;
-        for density in densities {
-            let (cost, cells) = affordable(input, n * density);
+        for density in choice.densities {
+            let (cost, cells) = affordable(input, n * density, choice.step);
             if best.is_none_or(|(least, _)| cost < least) {
                 best = Some((cost, cells));
             }
         }
-        Self::of(input, best.map_or([1; 3], |(_, cells)| cells))
+        Self::of(input, best.map_or([1; 3], |(_, cells)| cells), choice.cells)
     }
 
     /// The plan of a grid of so many cells along each axis.
-    fn of(input: &Input<'_>, cells: [u32; 3]) -> Result<Self, BuildError> {
+    fn of(input: &Input<'_>, cells: [u32; 3], most: u32) -> Result<Self, BuildError> {
         let shape = shape(&input.bounds, cells);
-        let total = shape.len().filter(|&n| n < 1 << 28).ok_or(BuildError::TooLarge)?;
+        let total = shape.len().filter(|&n| n < most).ok_or(BuildError::TooLarge)?;
         let mut listed = 0u32;
         input.listings(&shape, |_, _| listed = listed.saturating_add(1));
         if listed >= 1 << 28 { Err(BuildError::TooLarge) } else { Ok(Self { shape, cells: total, listed }) }
@@ -83,10 +103,10 @@ fn shape(bounds: &Aabb, cells: [u32; 3]) -> Shape {
 }
 
 /// A resolution of about `total` cells, or of fewer if they would list too much, and its expected cost.
-fn affordable(input: &Input<'_>, mut total: f32) -> (f32, [u32; 3]) {
+fn affordable(input: &Input<'_>, mut total: f32, step: f32) -> (f32, [u32; 3]) {
     loop {
         let cells = resolution(&input.bounds, total, MOST_CELLS);
-        let (listed, cost) = expected(input, cells);
+        let (listed, cost) = expected(input, cells, step);
         if listed <= float(input.len) * MOST_LISTED || cells == [1; 3] {
             return (cost, cells);
         }
@@ -96,7 +116,7 @@ fn affordable(input: &Input<'_>, mut total: f32) -> (f32, [u32; 3]) {
 
 /// References by the boxes of the primitives, and the steps and tests that a random line through the scene may be
 /// expected to take.
-fn expected(input: &Input<'_>, cells: [u32; 3]) -> (f32, f32) {
+fn expected(input: &Input<'_>, cells: [u32; 3], step: f32) -> (f32, f32) {
     let shape = shape(&input.bounds, cells);
     let area = |b: &Aabb| {
         let side = |k: usize| b.max[k] / 2.0 - b.min[k] / 2.0;
@@ -110,7 +130,7 @@ fn expected(input: &Input<'_>, cells: [u32; 3]) -> (f32, f32) {
         listed += along(0) * along(1) * along(2);
     }
     let steps = float(cells[0]) * float(cells[1]) * float(cells[2]);
-    let cost = (steps * STEP_COST + listed) * share;
+    let cost = (steps * step + listed) * share;
     (listed, if cost.is_finite() { cost } else { f32::MAX })
 }
 

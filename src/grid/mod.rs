@@ -20,7 +20,7 @@
 
 #[cfg(feature = "build")]
 pub mod build;
-mod walk;
+pub(crate) mod walk;
 
 use crate::blob::lists::Lists;
 use crate::blob::prims::Prims;

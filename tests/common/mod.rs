@@ -19,6 +19,9 @@ pub fn configs() -> Vec<Config> {
         Config::new(Kind::Grid),
         Config::new(Kind::Grid).rule(Rule::Seed),
         Config::new(Kind::Grid).cells(37),
+        Config::new(Kind::Voxel),
+        Config::new(Kind::Voxel).rule(Rule::Seed),
+        Config::new(Kind::Voxel).cells(37),
     ]
 }
 
