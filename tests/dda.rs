@@ -154,7 +154,7 @@ fn exact(ray: Whole, n: i64, mut each: impl FnMut([u32; 3], bool)) {
     let (mut t, mut end) = ((0, 1), None);
     for k in 0..3 {
         if dir[k] == 0 {
-            // In a plane the chord lies in two cells' surfaces: then neither must be visited.
+            // In a plane between two cells the chord counts as the upper one's; the walk visits both.
             if from[k] < 0 || from[k] >= n {
                 return;
             }

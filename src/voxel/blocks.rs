@@ -228,7 +228,7 @@ impl<'a> Blocks<'a> {
         for number in 0..self.len() {
             let Ok(Some(block)) = self.block(number) else { continue };
             let before = word(self.masks, block.rank / GROUP * GROUP_WORDS);
-            if block.rank % GROUP == 0 && before != voxels {
+            if block.rank.is_multiple_of(GROUP) && before != voxels {
                 return broken(block.rank, before, voxels);
             }
             let (first, _) = self.cells(grid, self.place(number));

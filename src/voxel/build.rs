@@ -173,7 +173,9 @@ fn sorted_pairs(input: &Input<'_>, plan: &Plan, pairs: &mut [[u32; 2]]) -> Table
     });
     let (mut occupied, mut filled) = (0, 0);
     if plan.blocks {
-        pairs.iter_mut().for_each(|pair| pair[0] = block_bit(&shape, &blocks, pair[0]));
+        for pair in pairs.iter_mut() {
+            pair[0] = block_bit(&shape, &blocks, pair[0]);
+        }
     }
     pairs.sort_unstable();
     let (mut last, mut last_block) = (None, None);
@@ -188,7 +190,9 @@ fn sorted_pairs(input: &Input<'_>, plan: &Plan, pairs: &mut [[u32; 2]]) -> Table
         return Table { form: BLOCKS, modulus: 0, occupied, listed, blocks: filled, none: 0 };
     }
     if plan.blocks {
-        pairs.iter_mut().for_each(|pair| pair[0] = voxel(&shape, &blocks, pair[0]));
+        for pair in pairs.iter_mut() {
+            pair[0] = voxel(&shape, &blocks, pair[0]);
+        }
     }
     pairs.sort_unstable_by_key(|&[voxel, prim]| (voxel % modulus, voxel / modulus, prim));
     Table { form: FLAT, modulus, occupied, listed, blocks: 0, none: 0 }
@@ -207,10 +211,10 @@ fn fill_lists(pairs: &[[u32; 2]], starts: &mut [u32], slots: &mut [u32]) {
     let mut places = starts.iter_mut();
     let mut last = None;
     for (i, (&[voxel, prim], slot)) in pairs.iter().zip(slots.iter_mut()).enumerate() {
-        if last != Some(voxel) {
-            if let Some(place) = places.next() {
-                *place = count(i);
-            }
+        if last != Some(voxel)
+            && let Some(place) = places.next()
+        {
+            *place = count(i);
         }
         (last, *slot) = (Some(voxel), prim);
     }
@@ -276,7 +280,9 @@ fn fill_blocks<'p>(
             if let Some(word) = bits.get_mut(index(at)) {
                 *word |= 1 << (block % 32);
             }
-            if let Some(before) = masks.get_mut(index(rank / GROUP * GROUP_WORDS)).filter(|_| rank % GROUP == 0) {
+            if let Some(before) =
+                masks.get_mut(index(rank / GROUP * GROUP_WORDS)).filter(|_| rank.is_multiple_of(GROUP))
+            {
                 *before = count(n);
             }
         }

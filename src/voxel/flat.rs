@@ -131,7 +131,7 @@ impl<'a> Flat<'a> {
         let voxels = shape.len().unwrap_or(0);
         let on = self.bits.iter().fold(0u32, |sum, word| sum.saturating_add(word.count_ones()));
         let last = word(self.bits, count(self.bits.len()).saturating_sub(1));
-        let beyond = if voxels & 31 == 0 { 0 } else { last >> (voxels & 31) };
+        let beyond = if voxels.is_multiple_of(32) { 0 } else { last >> (voxels % 32) };
         if on != table.occupied || beyond != 0 {
             return Err(BlobError::new(Rule::VoxelBits, Section::VoxelBits).found(on).needed(table.occupied));
         }

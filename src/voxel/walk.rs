@@ -85,10 +85,10 @@ impl<M: Meter, B: Mailbox> Query<'_, M, B> {
             }
             let (first, last) = blocks.cells(self.voxels.shape, at.place);
             self.meter.at(|| self.voxels.shape.lattice.bounds(first, last));
-            if let Some(block) = blocks.block(at.number.at)? {
-                if self.block::<ANY>(blocks, &block, (first, last))? {
-                    return Ok(true);
-                }
+            if let Some(block) = blocks.block(at.number.at)?
+                && self.block::<ANY>(blocks, &block, (first, last))?
+            {
+                return Ok(true);
             }
             if !way.advance(self.best.t, &mut at) {
                 return Ok(false);
