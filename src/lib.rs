@@ -53,6 +53,7 @@ pub mod bvh;
 pub mod geom;
 pub mod grid;
 pub mod list;
+pub mod nested;
 mod num;
 mod scene;
 pub mod voxel;

@@ -6,7 +6,7 @@ use crate::geom::{Aabb, Hit, Ray};
 use crate::num::count;
 use crate::walk::mailbox::{Mailbox, NoMailbox};
 use crate::walk::{Best, Fuel, Meter, Part, Steps, Stop, Tally};
-use crate::{bvh, grid, list, voxel};
+use crate::{bvh, grid, list, nested, voxel};
 
 /// What bounds every query on a blob.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -25,6 +25,7 @@ enum Structure<'a> {
     Bvh(bvh::View<'a>),
     Grid(grid::View<'a>),
     Voxel(voxel::View<'a>),
+    Nested(nested::View<'a>),
 }
 
 /// A scene read in place: it borrows the blob, owns nothing, and can be copied.
@@ -101,6 +102,10 @@ impl<'a> Scene<'a> {
                 let view = voxel::View::parse(blob)?;
                 (Structure::Voxel(view), view.steps())
             }
+            Kind::Nested => {
+                let view = nested::View::parse(blob)?;
+                (Structure::Nested(view), view.steps())
+            }
         };
         if header.steps != fuel {
             return Err(BlobError::new(Rule::StepsTrue, Section::Header).found(header.steps).needed(fuel));
@@ -117,6 +122,7 @@ impl<'a> Scene<'a> {
             Structure::Bvh(view) => view.check(&self.prims, self.bounds)?,
             Structure::Grid(view) => view.check(&self.prims)?,
             Structure::Voxel(view) => view.check(&self.prims)?,
+            Structure::Nested(view) => view.check(&self.prims)?,
         };
         let error = BlobError::new(Rule::StackTrue, Section::Header).found(header.stack).needed(stack);
         if header.stack == stack { Ok(()) } else { Err(error) }
@@ -240,6 +246,7 @@ impl<'a> Scene<'a> {
             Structure::Bvh(view) => bvh::walk::<ANY>(view, &self.prims, &ray, &mut best, meter)?,
             Structure::Grid(view) => view.walk::<ANY>(&self.prims, &ray, &mut best, meter, mailbox)?,
             Structure::Voxel(view) => view.walk::<ANY>(&self.prims, &ray, &mut best, meter, mailbox)?,
+            Structure::Nested(view) => view.walk::<ANY>(&self.prims, &ray, &mut best, meter, mailbox)?,
         };
         Ok(best.hit().map(|hit| Hit { t: hit.t * ray.unit, ..hit }))
     }
@@ -294,6 +301,7 @@ impl<'a> Scene<'a> {
             Structure::Bvh(view) => view.parts(&self.prims, self.bounds, &mut each),
             Structure::Grid(view) => view.parts(&mut each),
             Structure::Voxel(view) => view.parts(&mut each),
+            Structure::Nested(view) => view.parts(&mut each),
         }
     }
 
@@ -313,5 +321,11 @@ impl<'a> Scene<'a> {
     #[must_use]
     pub const fn voxel(&self) -> Option<voxel::View<'a>> {
         if let Structure::Voxel(view) = self.structure { Some(view) } else { None }
+    }
+
+    /// The hierarchy of grids, if this is one.
+    #[must_use]
+    pub const fn nested(&self) -> Option<nested::View<'a>> {
+        if let Structure::Nested(view) = self.structure { Some(view) } else { None }
     }
 }

@@ -27,6 +27,7 @@ mod dda;
 mod docs;
 mod firmware;
 mod geometry;
+mod nested;
 #[path = "spd.rs"]
 mod spd_hits;
 mod voxel;

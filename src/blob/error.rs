@@ -89,6 +89,10 @@ rules! {
     VoxelMasks = 33, "each block whose bit is on has a voxel, none outside of the grid, and counts are true";
     /// Bits after packed numbers are 0.
     PackedEnd = 34, "bits after packed numbers are 0";
+    /// Each grid in a cell has the next number, each is in one cell, and that is one of a grid before it.
+    GridOrder = 35, "grids in cells are numbered in the order of the cells that hold them";
+    /// A grid in a cell encloses, of each primitive that has a part in the cell, what of its box lies there.
+    GridBounds = 36, "a grid in a cell encloses what its primitives have in the cell";
 }
 
 impl Rule {
@@ -139,6 +143,10 @@ pub enum Section {
     VoxelStarts = 23,
     /// The slots that voxels list, packed.
     VoxelLists = 24,
+    /// Planes and cell numbers of the grids of a hierarchy, 44 bytes each.
+    NestedGrids = 25,
+    /// For each cell of a hierarchy of grids the grid in it, or where its list starts.
+    NestedCells = 26,
     /// The section table.
     Table = 255,
 }
@@ -162,6 +170,8 @@ impl Section {
         Self::VoxelIndex,
         Self::VoxelStarts,
         Self::VoxelLists,
+        Self::NestedGrids,
+        Self::NestedCells,
     ];
 
     /// The section's number in the table.
@@ -192,6 +202,8 @@ impl Section {
             Self::VoxelIndex => "voxel index",
             Self::VoxelStarts => "voxel starts",
             Self::VoxelLists => "voxel lists",
+            Self::NestedGrids => "nested grids",
+            Self::NestedCells => "nested cells",
             Self::Table => "section table",
         }
     }

@@ -27,6 +27,7 @@ use crate::blob::Kind;
 use crate::blob::write::{Facts, Layout};
 use crate::bvh::{self, Node};
 use crate::grid;
+use crate::nested;
 use crate::num::index;
 use crate::voxel;
 use heapless::VecView;
@@ -96,6 +97,7 @@ impl Needs {
             Shape::Bvh => (index(bvh::build::most_nodes(input.len)), 0, 0),
             Shape::Grid(plan) => (0, plan.words(), index(plan.listed)),
             Shape::Voxel(plan) => (0, plan.words(), plan.slots()),
+            Shape::Nested(plan) => (0, plan.words(), plan.listed()),
         };
         let scratch = if let Shape::Voxel(plan) = shape { plan.scratch() } else { 0 };
         let bytes = write::most_bytes(mesh, config.kind, nodes, cells + slots - scratch);
@@ -144,6 +146,7 @@ enum Shape {
     Bvh,
     Grid(grid::build::Plan),
     Voxel(voxel::build::Plan),
+    Nested(nested::build::Plan),
 }
 
 impl Shape {
@@ -153,6 +156,7 @@ impl Shape {
             Kind::Bvh => Self::Bvh,
             Kind::Grid => Self::Grid(grid::build::Plan::new(input, config)?),
             Kind::Voxel => Self::Voxel(voxel::build::Plan::new(input, config)?),
+            Kind::Nested => Self::Nested(nested::build::Plan::new(input, config)?),
         })
     }
 }
@@ -197,6 +201,7 @@ impl<'p> Plan<'p> {
             }
             Shape::Grid(plan) => Built::Parts(grid::build::build(input, plan, lent.refs, lent.cells, lent.slots)),
             Shape::Voxel(plan) => Built::Parts(voxel::build::build(input, plan, lent.refs, lent.cells, lent.slots)),
+            Shape::Nested(plan) => Built::Parts(nested::build::build(input, plan, lent.refs, lent.cells, lent.slots)),
         };
         let layout = write::layout(mesh, &built)?;
         let (stack, steps) = built.limits(input.len);

@@ -83,7 +83,10 @@ impl Plan {
     }
 
     /// The plan of a grid of so many cells along each axis.
-    fn of(input: &Input<'_>, cells: [u32; 3], most: u32) -> Result<Self, BuildError> {
+    ///
+    /// # Errors
+    /// Those of [`Plan::new`].
+    pub(crate) fn of(input: &Input<'_>, cells: [u32; 3], most: u32) -> Result<Self, BuildError> {
         let shape = shape(&input.bounds, cells);
         let total = shape.len().filter(|&n| n < most).ok_or(BuildError::TooLarge)?;
         let mut listed = 0u32;
@@ -103,7 +106,7 @@ fn shape(bounds: &Aabb, cells: [u32; 3]) -> Shape {
 }
 
 /// A resolution of about `total` cells, or of fewer if they would list too much, and its expected cost.
-fn affordable(input: &Input<'_>, mut total: f32, step: f32) -> (f32, [u32; 3]) {
+pub(crate) fn affordable(input: &Input<'_>, mut total: f32, step: f32) -> (f32, [u32; 3]) {
     loop {
         let cells = resolution(&input.bounds, total, MOST_CELLS);
         let (listed, cost) = expected(input, cells, step);

@@ -22,6 +22,9 @@ pub fn configs() -> Vec<Config> {
         Config::new(Kind::Voxel),
         Config::new(Kind::Voxel).rule(Rule::Seed),
         Config::new(Kind::Voxel).cells(37),
+        Config::new(Kind::Nested),
+        Config::new(Kind::Nested).rule(Rule::Seed),
+        Config::new(Kind::Nested).cells(3),
     ]
 }
 

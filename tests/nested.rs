@@ -1,0 +1,78 @@
+//! Grids in cells: every rule of theirs broken.
+use crate::blobs::{Break, break_one_by_one, edit, header, words};
+use crate::common::build;
+use crate::common::meshes::mixed;
+use flashray::Kind;
+use flashray::blob::{Rule, Section};
+use flashray::build::{Config, Rule as Split};
+use flashray::nested::Grid;
+
+/// A blob of 60 primitives of all kinds in grids within the cells of a grid.
+fn good_nested() -> Vec<u8> {
+    build(&mixed(60, 1), &Config::new(Kind::Nested).rule(Split::Seed).cells(3)).to_vec()
+}
+
+/// The first cell whose word, and the next one's, are as asked for.
+fn nested_cell(bytes: &[u8], wanted: fn(u32, u32) -> bool) -> usize {
+    let cells = words(bytes, Section::NestedCells);
+    (0..cells.len() - 1).find(|&c| wanted(cells[c], cells[c + 1])).expect("a cell")
+}
+
+/// Set in the word of a cell that holds a grid.
+const INNER: u32 = 1 << 31;
+
+/// For each rule about grids in cells an edit that breaks it and no rule before it.
+pub const BREAKS: &[(Rule, Break)] = &[
+    (Rule::Lattice, |b| edit::<Grid>(b, Section::NestedGrids, 0, |g| g.first = 1)),
+    (Rule::Lattice, |b| edit::<Grid>(b, Section::NestedGrids, 0, |g| g.lists = 1)),
+    (Rule::Lattice, |b| edit::<Grid>(b, Section::NestedGrids, 0, |g| g.lattice.cell[0] *= 0.9)),
+    (Rule::Lattice, |b| edit::<Grid>(b, Section::NestedGrids, 1, |g| g.lattice.cell[1] = 0.0)),
+    (Rule::Lattice, |b| edit::<Grid>(b, Section::NestedGrids, 1, |g| g.cells[1] += 1)),
+    (Rule::Lattice, |b| edit::<Grid>(b, Section::NestedGrids, 1, |g| g.cells = [65, 1, 1])),
+    (Rule::Lattice, |b| edit::<Grid>(b, Section::NestedGrids, 1, |g| g.first += 1)),
+    (Rule::Lattice, |b| edit::<Grid>(b, Section::NestedGrids, 1, |g| g.lattice.min[2] = f32::NAN)),
+    // A grid that is skipped, one that does not exist, one that holds itself.
+    (Rule::GridOrder, |b| {
+        let cell = nested_cell(b, |word, _| word & INNER != 0);
+        edit::<u32>(b, Section::NestedCells, cell, |w| *w += 1);
+    }),
+    (Rule::GridOrder, |b| {
+        let cell = nested_cell(b, |word, _| word & INNER != 0);
+        edit::<u32>(b, Section::NestedCells, cell, |w| *w = u32::MAX);
+    }),
+    (Rule::GridOrder, |b| {
+        let (cells, grids) = (words(b, Section::NestedCells), words(b, Section::NestedGrids));
+        let at = |number: u32| cells.iter().position(|&w| w == INNER | number).expect("a grid's cell");
+        let (first, start) = (grids[11 + 9] as usize, grids[11 + 10]);
+        let last = grids.len() as u32 / 11 - 1;
+        // The cell of the last grid holds the first but one, which leaves the last without a cell.
+        assert!(at(1) < first && cells[at(last)] & INNER != 0 && start <= cells[cells.len() - 1]);
+        edit::<u32>(b, Section::NestedCells, at(last), |w| *w = INNER | 1);
+    }),
+    (Rule::ListPlace, |b| {
+        let cell = nested_cell(b, |word, next| word < next && next & INNER == 0);
+        edit::<u32>(b, Section::NestedCells, cell, |w| *w += 1);
+    }),
+    (Rule::ListPlace, |b| edit::<Grid>(b, Section::NestedGrids, 2, |g| g.lists += 1)),
+    (Rule::ListPlace, |b| {
+        let end = words(b, Section::NestedCells).len() - 1;
+        edit::<u32>(b, Section::NestedCells, end, |w| *w -= 1);
+    }),
+    (Rule::ListOrder, |b| edit::<u32>(b, Section::CellLists, 0, |s| *s = 60)),
+    // The last of a list goes to the next cell, which lists nothing.
+    (Rule::ListComplete, |b| {
+        let cells = words(b, Section::NestedCells);
+        let plain = |c: usize| cells[c] & INNER == 0;
+        let lonely = |&c: &usize| plain(c) && plain(c + 1) && cells[c] < cells[c + 1] && cells[c + 1] == cells[c + 2];
+        let cell = (0..cells.len() - 2).find(lonely).expect("an empty cell after another");
+        edit::<u32>(b, Section::NestedCells, cell + 1, |w| *w -= 1);
+    }),
+    (Rule::GridBounds, |b| edit::<Grid>(b, Section::NestedGrids, 1, |g| g.lattice.min[0] += g.lattice.cell[0] * 0.5)),
+    (Rule::StackTrue, |b| header(b, |h| h.stack += 1)),
+    (Rule::StepsTrue, |b| header(b, |h| h.steps -= 1)),
+];
+
+#[test]
+fn rules_about_grids_in_cells_are_broken_one_by_one() {
+    break_one_by_one(&good_nested(), BREAKS);
+}
