@@ -55,6 +55,7 @@ pub mod grid;
 pub mod list;
 pub mod nested;
 mod num;
+pub mod octree;
 mod scene;
 pub mod voxel;
 pub mod walk;

@@ -6,7 +6,7 @@ use crate::geom::{Aabb, Hit, Ray};
 use crate::num::count;
 use crate::walk::mailbox::{Mailbox, NoMailbox};
 use crate::walk::{Best, Fuel, Meter, Part, Steps, Stop, Tally};
-use crate::{bvh, grid, list, nested, voxel};
+use crate::{bvh, grid, list, nested, octree, voxel};
 
 /// What bounds every query on a blob.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -26,6 +26,7 @@ enum Structure<'a> {
     Grid(grid::View<'a>),
     Voxel(voxel::View<'a>),
     Nested(nested::View<'a>),
+    Octree(octree::View<'a>),
 }
 
 /// A scene read in place: it borrows the blob, owns nothing, and can be copied.
@@ -79,7 +80,7 @@ impl<'a> Scene<'a> {
     /// itself carries.
     ///
     /// # Errors
-    /// One of rules 1 to 13, 24, 25 or 30, if the blob breaks any.
+    /// One of rules 1 to 13, 24, 25, 30 or 40, if the blob breaks any.
     pub fn trust(bytes: &'a [u8]) -> Result<Self, BlobError> {
         Self::parse(&Blob::parse(bytes)?)
     }
@@ -106,6 +107,10 @@ impl<'a> Scene<'a> {
                 let view = nested::View::parse(blob)?;
                 (Structure::Nested(view), view.steps())
             }
+            Kind::Octree => {
+                let view = octree::View::parse(blob)?;
+                (Structure::Octree(view), view.steps())
+            }
         };
         if header.steps != fuel {
             return Err(BlobError::new(Rule::StepsTrue, Section::Header).found(header.steps).needed(fuel));
@@ -123,6 +128,7 @@ impl<'a> Scene<'a> {
             Structure::Grid(view) => view.check(&self.prims)?,
             Structure::Voxel(view) => view.check(&self.prims)?,
             Structure::Nested(view) => view.check(&self.prims)?,
+            Structure::Octree(view) => view.check(&self.prims)?,
         };
         let error = BlobError::new(Rule::StackTrue, Section::Header).found(header.stack).needed(stack);
         if header.stack == stack { Ok(()) } else { Err(error) }
@@ -247,6 +253,7 @@ impl<'a> Scene<'a> {
             Structure::Grid(view) => view.walk::<ANY>(&self.prims, &ray, &mut best, meter, mailbox)?,
             Structure::Voxel(view) => view.walk::<ANY>(&self.prims, &ray, &mut best, meter, mailbox)?,
             Structure::Nested(view) => view.walk::<ANY>(&self.prims, &ray, &mut best, meter, mailbox)?,
+            Structure::Octree(view) => view.walk::<ANY>(&self.prims, &ray, &mut best, meter, mailbox)?,
         };
         Ok(best.hit().map(|hit| Hit { t: hit.t * ray.unit, ..hit }))
     }
@@ -302,6 +309,7 @@ impl<'a> Scene<'a> {
             Structure::Grid(view) => view.parts(&mut each),
             Structure::Voxel(view) => view.parts(&mut each),
             Structure::Nested(view) => view.parts(&mut each),
+            Structure::Octree(view) => view.parts(self.bounds, &mut each),
         }
     }
 
@@ -327,5 +335,11 @@ impl<'a> Scene<'a> {
     #[must_use]
     pub const fn nested(&self) -> Option<nested::View<'a>> {
         if let Structure::Nested(view) = self.structure { Some(view) } else { None }
+    }
+
+    /// The octree, if this is one.
+    #[must_use]
+    pub const fn octree(&self) -> Option<octree::View<'a>> {
+        if let Structure::Octree(view) = self.structure { Some(view) } else { None }
     }
 }

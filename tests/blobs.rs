@@ -2,7 +2,7 @@
 use crate::common::meshes::{icosphere, mixed};
 use crate::common::{bits, build, configs, mesh};
 use crate::soup::Soup;
-use crate::{nested, voxel};
+use crate::{nested, octree, voxel};
 use flashray::blob::{Buffer, Entry, Header, Rule, Section, crc32};
 use flashray::build::{Arena, BuildError, Config, Mesh, Needs, What, into, to_vec};
 use flashray::bvh::{Child, Node};
@@ -11,7 +11,7 @@ use flashray::{BlobError, Kind, Ray, Scene, Sphere, Stop};
 use std::fs;
 use std::path::PathBuf;
 
-const HEADER: usize = size_of::<Header>();
+pub const HEADER: usize = size_of::<Header>();
 
 /// A blob of 60 primitives of all kinds in a hierarchy.
 fn good() -> Vec<u8> {
@@ -36,7 +36,7 @@ pub fn entries(bytes: &[u8]) -> Vec<Entry> {
         .collect()
 }
 
-fn set_entry(bytes: &mut [u8], at: usize, edit: impl FnOnce(&mut Entry)) {
+pub fn set_entry(bytes: &mut [u8], at: usize, edit: impl FnOnce(&mut Entry)) {
     let mut entry = entries(bytes)[at];
     edit(&mut entry);
     let start = HEADER + at * size_of::<Entry>();
@@ -222,7 +222,7 @@ fn every_rule_has_an_edit_that_breaks_exactly_it() {
         assert!(error.to_string().starts_with(&format!("rule {}, ", rule.number())), "{error}");
     }
     // The one rule that is not about the bytes but about where they lie.
-    let others = [voxel::FLAT_BREAKS, voxel::BLOCKS_BREAKS, nested::BREAKS];
+    let others = [voxel::FLAT_BREAKS, voxel::BLOCKS_BREAKS, nested::BREAKS, octree::BREAKS];
     let all = BREAKS.iter().chain(GRID_BREAKS).chain(others.into_iter().flatten());
     let tested: Vec<_> = all.map(|(rule, _)| *rule).chain([Rule::Alignment]).collect();
     for rule in Rule::ALL {
@@ -448,6 +448,8 @@ fn golden() -> Vec<(&'static str, Soup, Config)> {
         ("v1-voxel-seed-mixed-100", mixed(100, 5), Config::new(Kind::Voxel).rule(flashray::build::Rule::Seed)),
         ("v1-nested-empty", Soup::default(), Config::new(Kind::Nested)),
         ("v1-nested-mixed-100", mixed(100, 5), Config::new(Kind::Nested)),
+        ("v1-octree-empty", Soup::default(), Config::new(Kind::Octree)),
+        ("v1-octree-mixed-100", mixed(100, 5), Config::new(Kind::Octree)),
         ("v1-bvh-local-sphere-80", icosphere(1), Config::new(Kind::Bvh).local([0.25, -0.5, 8.0])),
     ]
 }

@@ -81,6 +81,7 @@ fn the_format_s_sections_and_kinds_are_the_code_s() {
         (Section::VoxelLists, 4),
         (Section::NestedGrids, size_of::<flashray::nested::Grid>()),
         (Section::NestedCells, 4),
+        (Section::OctreeNodes, size_of::<flashray::octree::Node>()),
     ];
     assert_eq!(sizes.map(|(s, _)| s), Section::LISTED);
     for (section, size) in sizes {
@@ -97,7 +98,14 @@ fn the_format_s_sections_and_kinds_are_the_code_s() {
 fn tables_in_the_source_are_those_of_the_format() {
     let text = read("docs/format.md");
     let format = rows(&text);
-    for path in ["src/blob/header.rs", "src/bvh/mod.rs", "src/grid/mod.rs", "src/voxel/mod.rs", "src/nested/mod.rs"] {
+    for path in [
+        "src/blob/header.rs",
+        "src/bvh/mod.rs",
+        "src/grid/mod.rs",
+        "src/voxel/mod.rs",
+        "src/nested/mod.rs",
+        "src/octree/mod.rs",
+    ] {
         let source = read(path);
         let table: Vec<_> = rows(&source).into_iter().filter(|r| r.len() == 4 && r[0].parse::<u32>().is_ok()).collect();
         assert!(table.len() >= 3, "{path} has its table");

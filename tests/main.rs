@@ -28,6 +28,7 @@ mod docs;
 mod firmware;
 mod geometry;
 mod nested;
+mod octree;
 #[path = "spd.rs"]
 mod spd_hits;
 mod voxel;

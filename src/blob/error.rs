@@ -93,6 +93,12 @@ rules! {
     GridOrder = 35, "grids in cells are numbered in the order of the cells that hold them";
     /// A grid in a cell encloses, of each primitive that has a part in the cell, what of its box lies there.
     GridBounds = 36, "a grid in a cell encloses what its primitives have in the cell";
+    /// An octree with nodes has 2^d cells along each axis, d from 1 to 16; one without has one list.
+    OctreeShape = 40, "an octree with nodes has 2^d cells along each axis, d from 1 to 16; one without has one list";
+    /// The children of an octree's node are the next nodes and lists; none is both, and there is one.
+    OctreeOrder = 41, "the children of an octree's node are the next nodes and lists; none is both, and there is one";
+    /// A node of an octree has more than one cell along each axis.
+    OctreeDepth = 42, "a node of an octree has more than one cell along each axis";
 }
 
 impl Rule {
@@ -147,6 +153,8 @@ pub enum Section {
     NestedGrids = 25,
     /// For each cell of a hierarchy of grids the grid in it, or where its list starts.
     NestedCells = 26,
+    /// Inner nodes of an octree, 12 bytes each.
+    OctreeNodes = 28,
     /// The section table.
     Table = 255,
 }
@@ -172,6 +180,7 @@ impl Section {
         Self::VoxelLists,
         Self::NestedGrids,
         Self::NestedCells,
+        Self::OctreeNodes,
     ];
 
     /// The section's number in the table.
@@ -204,6 +213,7 @@ impl Section {
             Self::VoxelLists => "voxel lists",
             Self::NestedGrids => "nested grids",
             Self::NestedCells => "nested cells",
+            Self::OctreeNodes => "octree nodes",
             Self::Table => "section table",
         }
     }

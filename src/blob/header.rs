@@ -6,7 +6,7 @@
 //! | 4 | 4 | `version` | 1 |
 //! | 8 | 4 | `length` | bytes of the whole blob |
 //! | 12 | 4 | `checksum` | CRC-32 (ISO-HDLC) of the bytes from 16 to the end |
-//! | 16 | 4 | `kind` | the structure: 1 list, 2 bvh, 3 grid, 4 voxel, 5 nested |
+//! | 16 | 4 | `kind` | the structure: 1 list, 2 bvh, 3 grid, 4 voxel, 5 nested, 6 octree |
 //! | 20 | 4 | `prims` | number of primitives, below 2^28 |
 //! | 24 | 4 | `stack` | deepest stack of a walk, in entries, at most 64 |
 //! | 28 | 4 | `steps` | most steps of a walk: nodes visited and primitives tested |
@@ -47,11 +47,19 @@ pub enum Kind {
     Voxel = 4,
     /// Hierarchy of grids.
     Nested = 5,
+    /// Octree with a list for every leaf.
+    Octree = 6,
 }
 
 /// Every structure, with its name on the command line.
-pub const KINDS: &[(Kind, &str)] =
-    &[(Kind::List, "list"), (Kind::Bvh, "bvh"), (Kind::Grid, "grid"), (Kind::Voxel, "voxel"), (Kind::Nested, "nested")];
+pub const KINDS: &[(Kind, &str)] = &[
+    (Kind::List, "list"),
+    (Kind::Bvh, "bvh"),
+    (Kind::Grid, "grid"),
+    (Kind::Voxel, "voxel"),
+    (Kind::Nested, "nested"),
+    (Kind::Octree, "octree"),
+];
 
 impl Kind {
     /// The structure's number in a header.
@@ -76,6 +84,7 @@ impl Kind {
             Self::Grid => &[Section::GridShape, Section::CellStarts, Section::CellLists],
             Self::Voxel => crate::voxel::SECTIONS,
             Self::Nested => &[Section::CellLists, Section::NestedGrids, Section::NestedCells],
+            Self::Octree => &[Section::GridShape, Section::CellStarts, Section::CellLists, Section::OctreeNodes],
         }
     }
 }

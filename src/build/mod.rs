@@ -29,6 +29,7 @@ use crate::bvh::{self, Node};
 use crate::grid;
 use crate::nested;
 use crate::num::index;
+use crate::octree;
 use crate::voxel;
 use heapless::VecView;
 use parts::Parts;
@@ -98,6 +99,7 @@ impl Needs {
             Shape::Grid(plan) => (0, plan.words(), index(plan.listed)),
             Shape::Voxel(plan) => (0, plan.words(), plan.slots()),
             Shape::Nested(plan) => (0, plan.words(), plan.listed()),
+            Shape::Octree(plan) => (0, plan.words(), plan.slots()),
         };
         let scratch = if let Shape::Voxel(plan) = shape { plan.scratch() } else { 0 };
         let bytes = write::most_bytes(mesh, config.kind, nodes, cells + slots - scratch);
@@ -147,6 +149,7 @@ enum Shape {
     Grid(grid::build::Plan),
     Voxel(voxel::build::Plan),
     Nested(nested::build::Plan),
+    Octree(octree::build::Plan),
 }
 
 impl Shape {
@@ -157,6 +160,7 @@ impl Shape {
             Kind::Grid => Self::Grid(grid::build::Plan::new(input, config)?),
             Kind::Voxel => Self::Voxel(voxel::build::Plan::new(input, config)?),
             Kind::Nested => Self::Nested(nested::build::Plan::new(input, config)?),
+            Kind::Octree => Self::Octree(octree::build::Plan::new(input)),
         })
     }
 }
@@ -202,6 +206,9 @@ impl<'p> Plan<'p> {
             Shape::Grid(plan) => Built::Parts(grid::build::build(input, plan, lent.refs, lent.cells, lent.slots)),
             Shape::Voxel(plan) => Built::Parts(voxel::build::build(input, plan, lent.refs, lent.cells, lent.slots)),
             Shape::Nested(plan) => Built::Parts(nested::build::build(input, plan, lent.refs, lent.cells, lent.slots)),
+            Shape::Octree(plan) => {
+                Built::Parts(octree::build::build(input, config, plan, lent.refs, lent.cells, lent.slots))
+            }
         };
         let layout = write::layout(mesh, &built)?;
         let (stack, steps) = built.limits(input.len);
