@@ -268,6 +268,10 @@ fn listings(input: &Input<'_>, list: &[u32], shape: &Shape, around: &Aabb, each:
 fn choose(rule: Rule, input: &Input<'_>, list: &[u32], bounds: &Aabb) -> Option<Shape> {
     let part = |number: u32| View::cut(&input.prim(number).bounds(), bounds);
     let all = list.iter().fold(Aabb::EMPTY, |all, &number| all.join(&part(number)));
+    // A million in one place: what fills the cell in the same way no grid can part, and weighing many would take long.
+    if list.iter().all(|&number| part(number) == all) {
+        return None;
+    }
     let n = weight(list.len());
     let shape = |total: f32| {
         let cells = resolution(&all, total, MOST_INNER);
