@@ -47,6 +47,7 @@
 extern crate alloc;
 
 pub mod blob;
+pub mod bsp;
 #[cfg(feature = "build")]
 pub mod build;
 pub mod bvh;

@@ -6,7 +6,7 @@ use crate::geom::{Aabb, Hit, Ray};
 use crate::num::count;
 use crate::walk::mailbox::{Mailbox, NoMailbox};
 use crate::walk::{Best, Fuel, Meter, Part, Steps, Stop, Tally};
-use crate::{bvh, grid, list, nested, octree, voxel};
+use crate::{bsp, bvh, grid, list, nested, octree, voxel};
 
 /// What bounds every query on a blob.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -27,6 +27,7 @@ enum Structure<'a> {
     Voxel(voxel::View<'a>),
     Nested(nested::View<'a>),
     Octree(octree::View<'a>),
+    Bsp(bsp::View<'a>),
 }
 
 /// A scene read in place: it borrows the blob, owns nothing, and can be copied.
@@ -111,6 +112,10 @@ impl<'a> Scene<'a> {
                 let view = octree::View::parse(blob)?;
                 (Structure::Octree(view), view.steps())
             }
+            Kind::Bsp => {
+                let view = bsp::View::parse(blob)?;
+                (Structure::Bsp(view), view.steps())
+            }
         };
         if header.steps != fuel {
             return Err(BlobError::new(Rule::StepsTrue, Section::Header).found(header.steps).needed(fuel));
@@ -129,6 +134,7 @@ impl<'a> Scene<'a> {
             Structure::Voxel(view) => view.check(&self.prims)?,
             Structure::Nested(view) => view.check(&self.prims)?,
             Structure::Octree(view) => view.check(&self.prims)?,
+            Structure::Bsp(view) => view.check(&self.prims)?,
         };
         let error = BlobError::new(Rule::StackTrue, Section::Header).found(header.stack).needed(stack);
         if header.stack == stack { Ok(()) } else { Err(error) }
@@ -254,6 +260,7 @@ impl<'a> Scene<'a> {
             Structure::Voxel(view) => view.walk::<ANY>(&self.prims, &ray, &mut best, meter, mailbox)?,
             Structure::Nested(view) => view.walk::<ANY>(&self.prims, &ray, &mut best, meter, mailbox)?,
             Structure::Octree(view) => view.walk::<ANY>(&self.prims, &ray, &mut best, meter, mailbox)?,
+            Structure::Bsp(view) => view.walk::<ANY>(&self.prims, &ray, &mut best, meter, mailbox)?,
         };
         Ok(best.hit().map(|hit| Hit { t: hit.t * ray.unit, ..hit }))
     }
@@ -310,6 +317,7 @@ impl<'a> Scene<'a> {
             Structure::Voxel(view) => view.parts(&mut each),
             Structure::Nested(view) => view.parts(&mut each),
             Structure::Octree(view) => view.parts(self.bounds, &mut each),
+            Structure::Bsp(view) => view.parts(&mut each),
         }
     }
 
@@ -341,5 +349,11 @@ impl<'a> Scene<'a> {
     #[must_use]
     pub const fn octree(&self) -> Option<octree::View<'a>> {
         if let Structure::Octree(view) = self.structure { Some(view) } else { None }
+    }
+
+    /// The binary space partition, if this is one.
+    #[must_use]
+    pub const fn bsp(&self) -> Option<bsp::View<'a>> {
+        if let Structure::Bsp(view) = self.structure { Some(view) } else { None }
     }
 }

@@ -21,6 +21,7 @@ mod spd;
 
 mod agree;
 mod blobs;
+mod bsp;
 mod cli;
 mod common;
 mod dda;

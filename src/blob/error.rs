@@ -99,6 +99,8 @@ rules! {
     OctreeOrder = 41, "the children of an octree's node are the next nodes and lists; none is both, and there is one";
     /// A node of an octree has more than one cell along each axis.
     OctreeDepth = 42, "a node of an octree has more than one cell along each axis";
+    /// A plane lies strictly inside the box that it parts.
+    Plane = 45, "a plane lies strictly inside the box that it parts";
 }
 
 impl Rule {
@@ -155,6 +157,8 @@ pub enum Section {
     NestedCells = 26,
     /// Inner nodes of an octree, 12 bytes each.
     OctreeNodes = 28,
+    /// Nodes of a binary space partition, 8 bytes each.
+    BspNodes = 32,
     /// The section table.
     Table = 255,
 }
@@ -181,6 +185,7 @@ impl Section {
         Self::NestedGrids,
         Self::NestedCells,
         Self::OctreeNodes,
+        Self::BspNodes,
     ];
 
     /// The section's number in the table.
@@ -214,6 +219,7 @@ impl Section {
             Self::NestedGrids => "nested grids",
             Self::NestedCells => "nested cells",
             Self::OctreeNodes => "octree nodes",
+            Self::BspNodes => "bsp nodes",
             Self::Table => "section table",
         }
     }

@@ -49,6 +49,8 @@ pub enum Kind {
     Nested = 5,
     /// Octree with a list for every leaf.
     Octree = 6,
+    /// Axis-aligned binary space partition.
+    Bsp = 7,
 }
 
 /// Every structure, with its name on the command line.
@@ -59,6 +61,7 @@ pub const KINDS: &[(Kind, &str)] = &[
     (Kind::Voxel, "voxel"),
     (Kind::Nested, "nested"),
     (Kind::Octree, "octree"),
+    (Kind::Bsp, "bsp"),
 ];
 
 impl Kind {
@@ -85,6 +88,7 @@ impl Kind {
             Self::Voxel => crate::voxel::SECTIONS,
             Self::Nested => &[Section::CellLists, Section::NestedGrids, Section::NestedCells],
             Self::Octree => &[Section::GridShape, Section::CellStarts, Section::CellLists, Section::OctreeNodes],
+            Self::Bsp => &[Section::CellLists, Section::BspNodes],
         }
     }
 }

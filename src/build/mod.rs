@@ -25,6 +25,7 @@ pub use refs::Ref;
 
 use crate::blob::Kind;
 use crate::blob::write::{Facts, Layout};
+use crate::bsp;
 use crate::bvh::{self, Node};
 use crate::grid;
 use crate::nested;
@@ -54,7 +55,7 @@ use parts::Parts;
 /// ```
 #[derive(Debug)]
 pub struct Arena<'a> {
-    /// One per primitive.
+    /// One per primitive; 2.5 for a binary space partition.
     pub refs: &'a mut VecView<Ref>,
     /// One per inner node of a hierarchy of boxes or spheres.
     pub nodes: &'a mut VecView<Node>,
@@ -92,7 +93,7 @@ impl Needs {
     }
 
     fn of(mesh: &Mesh<'_>, input: &Input<'_>, config: &Config, shape: &Shape) -> Self {
-        let refs = index(input.len);
+        let refs = if let Shape::Bsp(budget) = shape { budget.refs } else { index(input.len) };
         let (nodes, cells, slots) = match shape {
             Shape::List => (0, 0, 0),
             Shape::Bvh => (index(bvh::build::most_nodes(input.len)), 0, 0),
@@ -100,6 +101,7 @@ impl Needs {
             Shape::Voxel(plan) => (0, plan.words(), plan.slots()),
             Shape::Nested(plan) => (0, plan.words(), plan.listed()),
             Shape::Octree(plan) => (0, plan.words(), plan.slots()),
+            Shape::Bsp(budget) => (0, budget.words(), index(budget.slots)),
         };
         let scratch = if let Shape::Voxel(plan) = shape { plan.scratch() } else { 0 };
         let bytes = write::most_bytes(mesh, config.kind, nodes, cells + slots - scratch);
@@ -150,6 +152,7 @@ enum Shape {
     Voxel(voxel::build::Plan),
     Nested(nested::build::Plan),
     Octree(octree::build::Plan),
+    Bsp(bsp::build::Budget),
 }
 
 impl Shape {
@@ -161,6 +164,7 @@ impl Shape {
             Kind::Voxel => Self::Voxel(voxel::build::Plan::new(input, config)?),
             Kind::Nested => Self::Nested(nested::build::Plan::new(input, config)?),
             Kind::Octree => Self::Octree(octree::build::Plan::new(input)),
+            Kind::Bsp => Self::Bsp(bsp::build::Budget::of(input.len)),
         })
     }
 }
@@ -209,6 +213,7 @@ impl<'p> Plan<'p> {
             Shape::Octree(plan) => {
                 Built::Parts(octree::build::build(input, config, plan, lent.refs, lent.cells, lent.slots))
             }
+            Shape::Bsp(_) => Built::Parts(bsp::build::build(input, config, lent.refs, lent.cells, lent.slots)),
         };
         let layout = write::layout(mesh, &built)?;
         let (stack, steps) = built.limits(input.len);

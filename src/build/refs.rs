@@ -2,7 +2,7 @@
 use super::Input;
 use crate::geom::Aabb;
 use crate::geom::vec::Vec3;
-use crate::num::count;
+use crate::num::{count, index};
 use bytemuck::{Pod, Zeroable};
 
 /// A primitive as a builder sees it: 32 bytes.
@@ -26,9 +26,9 @@ impl Ref {
     }
 }
 
-/// Fills one reference per primitive, in the caller's order.
+/// Fills one reference per primitive, in the caller's order. More references are left as they are.
 pub(super) fn fill(input: &Input<'_>, refs: &mut [Ref]) {
-    for (i, place) in refs.iter_mut().enumerate() {
+    for (i, place) in refs.iter_mut().take(index(input.len)).enumerate() {
         let prim = count(i);
         *place = Ref { bounds: input.prim(prim).bounds(), prim, scratch: 0.0 };
     }

@@ -8,7 +8,7 @@ use super::triangle::Triangle;
 use crate::num::wide;
 
 /// What a triangle is grown by, as a share of its longest side along an axis.
-const MARGIN: f64 = 1.0 / 4096.0;
+pub(crate) const MARGIN: f64 = 1.0 / 4096.0;
 /// More than the relative error of any projection below, which is some 2^-48.
 const SLACK: f64 = 1.0 + 1.0 / 1_099_511_627_776.0; // 1 + 2^-40
 

@@ -28,6 +28,9 @@ pub fn configs() -> Vec<Config> {
         Config::new(Kind::Octree),
         Config::new(Kind::Octree).rule(Rule::Seed),
         Config::new(Kind::Octree).leaf(1).rule(Rule::Seed),
+        Config::new(Kind::Bsp),
+        Config::new(Kind::Bsp).rule(Rule::Seed),
+        Config::new(Kind::Bsp).rule(Rule::Seed).leaf(1),
     ]
 }
 
