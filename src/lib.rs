@@ -58,6 +58,7 @@ pub mod nested;
 mod num;
 pub mod octree;
 mod scene;
+pub mod sphere;
 pub mod voxel;
 pub mod walk;
 

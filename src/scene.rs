@@ -6,7 +6,7 @@ use crate::geom::{Aabb, Hit, Ray};
 use crate::num::count;
 use crate::walk::mailbox::{Mailbox, NoMailbox};
 use crate::walk::{Best, Fuel, Meter, Part, Steps, Stop, Tally};
-use crate::{bsp, bvh, grid, list, nested, octree, voxel};
+use crate::{bsp, bvh, grid, list, nested, octree, sphere, voxel};
 
 /// What bounds every query on a blob.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -28,6 +28,7 @@ enum Structure<'a> {
     Nested(nested::View<'a>),
     Octree(octree::View<'a>),
     Bsp(bsp::View<'a>),
+    Sphere(sphere::View<'a>),
 }
 
 /// A scene read in place: it borrows the blob, owns nothing, and can be copied.
@@ -116,6 +117,10 @@ impl<'a> Scene<'a> {
                 let view = bsp::View::parse(blob)?;
                 (Structure::Bsp(view), view.steps())
             }
+            Kind::Sphere => {
+                let view = sphere::View::parse(blob)?;
+                (Structure::Sphere(view), view.steps(&prims))
+            }
         };
         if header.steps != fuel {
             return Err(BlobError::new(Rule::StepsTrue, Section::Header).found(header.steps).needed(fuel));
@@ -135,6 +140,7 @@ impl<'a> Scene<'a> {
             Structure::Nested(view) => view.check(&self.prims)?,
             Structure::Octree(view) => view.check(&self.prims)?,
             Structure::Bsp(view) => view.check(&self.prims)?,
+            Structure::Sphere(view) => view.check(&self.prims, self.bounds)?,
         };
         let error = BlobError::new(Rule::StackTrue, Section::Header).found(header.stack).needed(stack);
         if header.stack == stack { Ok(()) } else { Err(error) }
@@ -261,6 +267,7 @@ impl<'a> Scene<'a> {
             Structure::Nested(view) => view.walk::<ANY>(&self.prims, &ray, &mut best, meter, mailbox)?,
             Structure::Octree(view) => view.walk::<ANY>(&self.prims, &ray, &mut best, meter, mailbox)?,
             Structure::Bsp(view) => view.walk::<ANY>(&self.prims, &ray, &mut best, meter, mailbox)?,
+            Structure::Sphere(view) => view.walk::<ANY>(&self.prims, &ray, &mut best, meter)?,
         };
         Ok(best.hit().map(|hit| Hit { t: hit.t * ray.unit, ..hit }))
     }
@@ -318,6 +325,7 @@ impl<'a> Scene<'a> {
             Structure::Nested(view) => view.parts(&mut each),
             Structure::Octree(view) => view.parts(self.bounds, &mut each),
             Structure::Bsp(view) => view.parts(&mut each),
+            Structure::Sphere(view) => view.parts(&self.prims, self.bounds, &mut each),
         }
     }
 

@@ -2,7 +2,7 @@
 use crate::common::meshes::{icosphere, mixed};
 use crate::common::{bits, build, configs, mesh};
 use crate::soup::Soup;
-use crate::{bsp, nested, octree, voxel};
+use crate::{bsp, nested, octree, sphere, voxel};
 use flashray::blob::{Buffer, Entry, Header, Rule, Section, crc32};
 use flashray::build::{Arena, BuildError, Config, Mesh, Needs, What, into, to_vec};
 use flashray::bvh::{Child, Node};
@@ -222,7 +222,8 @@ fn every_rule_has_an_edit_that_breaks_exactly_it() {
         assert!(error.to_string().starts_with(&format!("rule {}, ", rule.number())), "{error}");
     }
     // The one rule that is not about the bytes but about where they lie.
-    let others = [voxel::FLAT_BREAKS, voxel::BLOCKS_BREAKS, nested::BREAKS, octree::BREAKS, bsp::BREAKS];
+    let others =
+        [voxel::FLAT_BREAKS, voxel::BLOCKS_BREAKS, nested::BREAKS, octree::BREAKS, bsp::BREAKS, sphere::BREAKS];
     let all = BREAKS.iter().chain(GRID_BREAKS).chain(others.into_iter().flatten());
     let tested: Vec<_> = all.map(|(rule, _)| *rule).chain([Rule::Alignment]).collect();
     for rule in Rule::ALL {
@@ -452,6 +453,8 @@ fn golden() -> Vec<(&'static str, Soup, Config)> {
         ("v1-octree-mixed-100", mixed(100, 5), Config::new(Kind::Octree)),
         ("v1-bsp-empty", Soup::default(), Config::new(Kind::Bsp)),
         ("v1-bsp-mixed-100", mixed(100, 5), Config::new(Kind::Bsp)),
+        ("v1-sphere-empty", Soup::default(), Config::new(Kind::Sphere)),
+        ("v1-sphere-mixed-100", mixed(100, 5), Config::new(Kind::Sphere)),
         ("v1-bvh-local-sphere-80", icosphere(1), Config::new(Kind::Bvh).local([0.25, -0.5, 8.0])),
     ]
 }

@@ -83,6 +83,7 @@ fn the_format_s_sections_and_kinds_are_the_code_s() {
         (Section::NestedCells, 4),
         (Section::OctreeNodes, size_of::<flashray::octree::Node>()),
         (Section::BspNodes, size_of::<flashray::bsp::Node>()),
+        (Section::SphereNodes, size_of::<flashray::sphere::Node>()),
     ];
     assert_eq!(sizes.map(|(s, _)| s), Section::LISTED);
     for (section, size) in sizes {
@@ -107,6 +108,7 @@ fn tables_in_the_source_are_those_of_the_format() {
         "src/nested/mod.rs",
         "src/octree/mod.rs",
         "src/bsp/mod.rs",
+        "src/sphere/mod.rs",
     ] {
         let source = read(path);
         let table: Vec<_> = rows(&source).into_iter().filter(|r| r.len() == 4 && r[0].parse::<u32>().is_ok()).collect();

@@ -32,6 +32,7 @@ mod nested;
 mod octree;
 #[path = "spd.rs"]
 mod spd_hits;
+mod sphere;
 mod voxel;
 mod watertight;
 mod web;

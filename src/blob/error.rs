@@ -101,6 +101,8 @@ rules! {
     OctreeDepth = 42, "a node of an octree has more than one cell along each axis";
     /// A plane lies strictly inside the box that it parts.
     Plane = 45, "a plane lies strictly inside the box that it parts";
+    /// A sphere has its centre in the bounds and contains the boxes of all primitives below it.
+    SphereBounds = 50, "a sphere has its centre in the bounds and contains the boxes below it";
 }
 
 impl Rule {
@@ -159,6 +161,8 @@ pub enum Section {
     OctreeNodes = 28,
     /// Nodes of a binary space partition, 8 bytes each.
     BspNodes = 32,
+    /// Nodes of the bounding-sphere hierarchy, 40 bytes each.
+    SphereNodes = 34,
     /// The section table.
     Table = 255,
 }
@@ -186,6 +190,7 @@ impl Section {
         Self::NestedCells,
         Self::OctreeNodes,
         Self::BspNodes,
+        Self::SphereNodes,
     ];
 
     /// The section's number in the table.
@@ -220,6 +225,7 @@ impl Section {
             Self::NestedCells => "nested cells",
             Self::OctreeNodes => "octree nodes",
             Self::BspNodes => "bsp nodes",
+            Self::SphereNodes => "sphere nodes",
             Self::Table => "section table",
         }
     }

@@ -6,7 +6,7 @@
 //! | 4 | 4 | `version` | 1 |
 //! | 8 | 4 | `length` | bytes of the whole blob |
 //! | 12 | 4 | `checksum` | CRC-32 (ISO-HDLC) of the bytes from 16 to the end |
-//! | 16 | 4 | `kind` | the structure: 1 list, 2 bvh, 3 grid, 4 voxel, 5 nested, 6 octree |
+//! | 16 | 4 | `kind` | the structure: 1 list, 2 bvh, 3 grid, 4 voxel, 5 nested, 6 octree, 7 bsp, 8 sphere |
 //! | 20 | 4 | `prims` | number of primitives, below 2^28 |
 //! | 24 | 4 | `stack` | deepest stack of a walk, in entries, at most 64 |
 //! | 28 | 4 | `steps` | most steps of a walk: nodes visited and primitives tested |
@@ -51,6 +51,8 @@ pub enum Kind {
     Octree = 6,
     /// Axis-aligned binary space partition.
     Bsp = 7,
+    /// Binary bounding-sphere hierarchy.
+    Sphere = 8,
 }
 
 /// Every structure, with its name on the command line.
@@ -62,6 +64,7 @@ pub const KINDS: &[(Kind, &str)] = &[
     (Kind::Nested, "nested"),
     (Kind::Octree, "octree"),
     (Kind::Bsp, "bsp"),
+    (Kind::Sphere, "sphere"),
 ];
 
 impl Kind {
@@ -89,6 +92,7 @@ impl Kind {
             Self::Nested => &[Section::CellLists, Section::NestedGrids, Section::NestedCells],
             Self::Octree => &[Section::GridShape, Section::CellStarts, Section::CellLists, Section::OctreeNodes],
             Self::Bsp => &[Section::CellLists, Section::BspNodes],
+            Self::Sphere => &[Section::SphereNodes],
         }
     }
 }

@@ -96,7 +96,7 @@ impl Needs {
         let refs = if let Shape::Bsp(budget) = shape { budget.refs } else { index(input.len) };
         let (nodes, cells, slots) = match shape {
             Shape::List => (0, 0, 0),
-            Shape::Bvh => (index(bvh::build::most_nodes(input.len)), 0, 0),
+            Shape::Tree => (index(bvh::build::most_nodes(input.len)), 0, 0),
             Shape::Grid(plan) => (0, plan.words(), index(plan.listed)),
             Shape::Voxel(plan) => (0, plan.words(), plan.slots()),
             Shape::Nested(plan) => (0, plan.words(), plan.listed()),
@@ -147,7 +147,7 @@ fn lend<T: bytemuck::Zeroable + Clone>(view: &mut VecView<T>, n: usize, what: Wh
 /// What is decided about a structure before there is memory for it.
 enum Shape {
     List,
-    Bvh,
+    Tree,
     Grid(grid::build::Plan),
     Voxel(voxel::build::Plan),
     Nested(nested::build::Plan),
@@ -159,7 +159,7 @@ impl Shape {
     fn new(input: &Input<'_>, config: &Config) -> Result<Self, BuildError> {
         Ok(match config.kind {
             Kind::List => Self::List,
-            Kind::Bvh => Self::Bvh,
+            Kind::Bvh | Kind::Sphere => Self::Tree,
             Kind::Grid => Self::Grid(grid::build::Plan::new(input, config)?),
             Kind::Voxel => Self::Voxel(voxel::build::Plan::new(input, config)?),
             Kind::Nested => Self::Nested(nested::build::Plan::new(input, config)?),
@@ -189,6 +189,7 @@ struct Plan<'p> {
 enum Built<'p> {
     List,
     Bvh(bvh::build::Tree<'p>),
+    Sphere(bvh::build::Tree<'p>),
     Parts(Parts<'p>),
 }
 
@@ -204,8 +205,9 @@ impl<'p> Plan<'p> {
         refs::fill(input, lent.refs);
         let built = match shape {
             Shape::List => Built::List,
-            Shape::Bvh => {
-                Built::Bvh(bvh::build::build(config, lent.refs, lent.nodes, &input.bounds, mesh.has_tubes())?)
+            Shape::Tree => {
+                let tree = bvh::build::build(config, lent.refs, lent.nodes, &input.bounds, mesh.has_tubes())?;
+                if config.kind == Kind::Sphere { Built::Sphere(tree) } else { Built::Bvh(tree) }
             }
             Shape::Grid(plan) => Built::Parts(grid::build::build(input, plan, lent.refs, lent.cells, lent.slots)),
             Shape::Voxel(plan) => Built::Parts(voxel::build::build(input, plan, lent.refs, lent.cells, lent.slots)),
@@ -227,7 +229,7 @@ impl Built<'_> {
     fn limits(&self, prims: u32) -> (u32, u32) {
         match self {
             Self::List => (0, prims),
-            Self::Bvh(tree) => (tree.stack, tree.len.saturating_add(prims)),
+            Self::Bvh(tree) | Self::Sphere(tree) => (tree.stack, tree.len.saturating_add(prims)),
             Self::Parts(parts) => (parts.stack, parts.steps),
         }
     }

@@ -7,6 +7,7 @@ use crate::bvh::Node;
 use crate::bvh::build::Tree;
 use crate::geom::{Aabb, Cone, Cylinder, Sphere, Triangle};
 use crate::num::{count, index};
+use crate::sphere;
 use heapless::Vec;
 
 /// Section, entries, bytes of an entry.
@@ -36,6 +37,7 @@ pub(super) fn layout(mesh: &Mesh<'_>, built: &Built<'_>) -> Result<Layout, Build
     match built {
         Built::List => {}
         Built::Bvh(tree) => push(Section::BvhNodes, tree.len, size_of::<Node>())?,
+        Built::Sphere(tree) => push(Section::SphereNodes, tree.len, size_of::<sphere::Node>())?,
         Built::Parts(parts) => {
             for &(section, words, entry) in &parts.sections {
                 push(section, count(words.len() / entry.max(1)), entry * size_of::<u32>())?;
@@ -49,7 +51,8 @@ pub(super) fn layout(mesh: &Mesh<'_>, built: &Built<'_>) -> Result<Layout, Build
 pub(super) fn most_bytes(mesh: &Mesh<'_>, kind: Kind, nodes: usize, words: usize) -> usize {
     let mut sections = primitive_sections(mesh, kind != Kind::List);
     // One section of all nodes; of the words each section may have a gap before it and an entry in the table.
-    let _ = sections.push((Section::BvhNodes, count(nodes), size_of::<Node>()));
+    let node = if kind == Kind::Sphere { size_of::<sphere::Node>() } else { size_of::<Node>() };
+    let _ = sections.push((Section::BvhNodes, count(nodes), node));
     let own = kind.sections().len() * (index(crate::blob::SECTION_ALIGN) + size_of::<Entry>());
     let words = if words > 0 { words.saturating_mul(4).saturating_add(own) } else { 0 };
     Layout::new(&sections).map_or(usize::MAX, |layout| layout.len().saturating_add(words))
@@ -82,6 +85,7 @@ impl Plan<'_> {
         match &self.built {
             Built::List => {}
             Built::Bvh(tree) => writer.section(Section::BvhNodes, tree.nodes()),
+            Built::Sphere(tree) => writer.section(Section::SphereNodes, sphere::build::nodes(*tree)),
             Built::Parts(parts) => {
                 for &(section, words, _) in &parts.sections {
                     writer.section(section, words.iter().copied());
@@ -95,7 +99,7 @@ impl Plan<'_> {
     fn order(&self) -> impl Iterator<Item = u32> {
         let (list, tree, parts): (_, _, &[u32]) = match &self.built {
             Built::List => (0..self.facts.prims, None, &[]),
-            Built::Bvh(tree) => (0..0, Some(*tree), &[]),
+            Built::Bvh(tree) | Built::Sphere(tree) => (0..0, Some(*tree), &[]),
             Built::Parts(parts) => (0..0, None, parts.order),
         };
         let number = |r: &Ref| r.prim;

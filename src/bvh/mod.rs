@@ -5,7 +5,7 @@
 //! reads one cache line and decides about two. Primitives stand in at most one leaf: no test is done twice.
 //!
 //! Choose it when in doubt. It costs 64 bytes a node, about 15 bytes a triangle beside the triangles' own 40, and
-//! at most [`MAX_STACK`] stack entries of 8 bytes.
+//! at most [`MAX_STACK`](crate::blob::MAX_STACK) stack entries of 8 bytes.
 //!
 //! # A node: 64 bytes
 //! | offset | size | field | meaning |
@@ -20,16 +20,18 @@
 
 #[cfg(feature = "build")]
 pub mod build;
-mod walk;
+pub(crate) mod tree;
+pub(crate) mod walk;
 
 pub use walk::walk;
 
 use crate::blob::prims::Prims;
-use crate::blob::{Blob, BlobError, MAX_STACK, Rule, Section};
+use crate::blob::{Blob, BlobError, Rule, Section};
 use crate::geom::Aabb;
-use crate::num::{count, index};
+use crate::num::index;
 use crate::walk::Part;
 use bytemuck::{Pod, Zeroable};
+use tree::{Branch, Proof, Step};
 
 /// Most primitives of a leaf.
 pub const MAX_LEAF: u32 = 15;
@@ -150,6 +152,19 @@ impl Node {
     }
 }
 
+impl Branch for Node {
+    const SECTION: Section = Section::BvhNodes;
+
+    #[inline(always)]
+    fn children(&self) -> [Child; 2] {
+        self.child
+    }
+
+    fn bounds(&self, side: usize) -> Aabb {
+        Self::bounds(self, side)
+    }
+}
+
 /// The hierarchy in a blob.
 #[derive(Clone, Copy, Debug)]
 pub struct View<'a> {
@@ -166,124 +181,55 @@ impl<'a> View<'a> {
         Ok(Self { nodes: blob.section(Section::BvhNodes)? })
     }
 
-    /// The root: node 0, or one leaf of all primitives if there is no node.
-    #[inline(always)]
-    fn root(&self, prims: u32) -> Child {
-        match self.nodes {
-            [] if prims <= MAX_LEAF => Child::leaf(0, prims),
-            _ => Child::node(0),
-        }
-    }
-
     /// Calls `each` with every inner node and every leaf, a node before what is below it.
     pub fn parts(&self, prims: &Prims<'_>, bounds: &Aabb, each: &mut impl FnMut(Part)) {
-        let mut todo = heapless::Vec::<(Child, Aabb, u32), 128>::new();
-        let mut next = (prims.len > 0).then_some((self.root(prims.len), *bounds, 0));
-        while let Some((child, bounds, level)) = next.take().or_else(|| todo.pop()) {
-            each(Part { bounds, level, listed: (!child.is_node()).then_some(child.len()) });
-            let Some(node) = self.nodes.get(index(child.number())).filter(|_| child.is_node()) else { continue };
-            // Twice as long as any tree is deep.
-            let _ = todo.push((node.child[1], node.bounds(1), level.saturating_add(1)));
-            next = Some((node.child[0], node.bounds(0), level.saturating_add(1)));
-        }
+        tree::parts(self.nodes, prims.len, bounds, each);
     }
 
-    /// The full check, O(n), with a stack of its own as deep as the walk's: rules 20 to 23.
+    /// The full check, O(n), with a stack of its own as deep as the walk's: rules 7 and 20 to 23.
     ///
     /// Returns the deepest stack of any walk.
     ///
     /// # Errors
     /// The first rule that is broken, and where.
     pub fn check(&self, prims: &Prims<'_>, bounds: &Aabb) -> Result<u32, BlobError> {
-        let mut check = Check { nodes: self.nodes, prims, next_node: 1, next_slot: 0, deepest: 0 };
-        if !self.nodes.is_empty() {
-            check.run(bounds)?;
-        } else if prims.len <= MAX_LEAF {
-            check.next_node = 0;
-            check.next_slot = prims.len;
-        }
-        let ends = |rule, found: u32, needed: u32| {
-            let error = BlobError::new(rule, Section::BvhNodes).at(found).found(found).needed(needed);
-            if found == needed { Ok(()) } else { Err(error) }
-        };
-        ends(Rule::NodeOrder, check.next_node, count(self.nodes.len()))?;
-        ends(Rule::LeafOrder, check.next_slot, prims.len)?;
-        Ok(check.deepest)
+        tree::check(self.nodes, prims.len, &Boxes { nodes: self.nodes, prims, bounds })
     }
 }
 
-/// One pass through the nodes in walk order.
-///
-/// A child that is a node must have the number that follows all nodes met before it, and a leaf must start at the slot
-/// that follows all slots met before it. So no node has two parents, there is no cycle, and nothing is left out.
-struct Check<'c, 'a> {
+/// Rule 22: each box lies inside the one above it and contains what is below it.
+struct Boxes<'c, 'a> {
     nodes: &'a [Node],
     prims: &'c Prims<'a>,
-    next_node: u32,
-    next_slot: u32,
-    deepest: u32,
+    /// Around the root.
+    bounds: &'c Aabb,
 }
 
-impl Check<'_, '_> {
-    fn run(&mut self, bounds: &Aabb) -> Result<(), BlobError> {
-        // A parent whose child 1 is still to come, and its level: node 0 is on level 1.
-        let mut waiting = heapless::Vec::<(u32, u32), { index(MAX_STACK) }>::new();
-        let (mut parent, mut level, mut side) = (0, 1, 0);
-        self.enclose(parent, bounds)?;
-        loop {
-            self.deepest = self.deepest.max(level);
-            if side == 0 && waiting.push((parent, level)).is_err() {
-                return Err(broken(Rule::StackTrue, parent).found(level).needed(MAX_STACK));
-            }
-            let child = self.child(parent, side)?;
-            if child.is_node() {
-                (parent, level, side) = (child.number(), level.saturating_add(1), 0);
-                continue;
-            }
-            match waiting.pop() {
-                Some(next) => (parent, level, side) = (next.0, next.1, 1),
-                None => return Ok(()),
-            }
-        }
+impl Boxes<'_, '_> {
+    /// The box of a place, by the way to it.
+    fn bounds(&self, way: &[Step]) -> Aabb {
+        let Some(last) = way.last() else { return *self.bounds };
+        self.nodes.get(index(last.node)).map_or(Aabb::EMPTY, |node| node.bounds(last.side))
     }
+}
 
-    /// Checks one child in its turn.
-    fn child(&mut self, parent: u32, side: usize) -> Result<Child, BlobError> {
-        let node = self.nodes.get(index(parent)).ok_or(broken(Rule::NodeOrder, parent))?;
-        let (child, bounds) = (node.child[side & 1], node.bounds(side));
-        if child.is_node() {
-            if child.number() != self.next_node || index(child.number()) >= self.nodes.len() {
-                return Err(broken(Rule::NodeOrder, parent).found(child.number()).needed(self.next_node));
-            }
-            self.next_node = self.next_node.saturating_add(1);
-            self.enclose(child.number(), &bounds)?;
-        } else {
-            let left = self.prims.len.saturating_sub(self.next_slot);
-            if child.number() != self.next_slot || child.len() > left {
-                return Err(broken(Rule::LeafOrder, parent).found(child.number()).needed(self.next_slot));
-            }
-            self.next_slot = self.next_slot.saturating_add(child.len());
-            if !bounds.contains(&self.prims.bounds(child.number(), child.len())) {
-                return Err(broken(Rule::NodeBounds, parent));
-            }
-        }
-        Ok(child)
-    }
-
-    /// Checks that a node's two boxes are boxes and lie inside `bounds`, and that its reserved words are 0.
-    fn enclose(&self, number: u32, bounds: &Aabb) -> Result<(), BlobError> {
-        let node = self.nodes.get(index(number)).ok_or(broken(Rule::NodeOrder, number))?;
+impl Proof for Boxes<'_, '_> {
+    /// The two boxes are boxes and lie inside the node's own; its reserved words are 0.
+    fn node(&self, number: u32, way: &[Step]) -> Result<(), BlobError> {
+        let node = self.nodes.get(index(number)).ok_or(tree::broken::<Node>(Rule::NodeOrder, number))?;
+        let bounds = self.bounds(way);
         let inside = |b: Aabb| b.is_valid() && bounds.contains(&b);
-        if !inside(node.bounds(0)) || !inside(node.bounds(1)) {
-            return Err(broken(Rule::NodeBounds, number));
+        match node {
+            n if !inside(n.bounds(0)) || !inside(n.bounds(1)) => Err(tree::broken::<Node>(Rule::NodeBounds, number)),
+            n if n.reserved != [0; 2] => Err(tree::broken::<Node>(Rule::Reserved, number)),
+            _ => Ok(()),
         }
-        if node.reserved != [0; 2] {
-            return Err(broken(Rule::Reserved, number));
-        }
-        Ok(())
     }
-}
 
-const fn broken(rule: Rule, node: u32) -> BlobError {
-    BlobError::new(rule, Section::BvhNodes).at(node)
+    fn leaf(&self, (first, len): (u32, u32), way: &[Step]) -> Result<(), BlobError> {
+        if self.bounds(way).contains(&self.prims.bounds(first, len)) {
+            return Ok(());
+        }
+        Err(tree::broken::<Node>(Rule::NodeBounds, way.last().map_or(0, |step| step.node)))
+    }
 }

@@ -4,7 +4,8 @@
 //! because a primitive there may have the lesser number. The farther child waits on the stack with its near distance,
 //! so that it is dropped without a fetch if a hit came nearer meanwhile. Rule 23 bounds the stack, and a push beyond it
 //! is refused, not trusted.
-use super::{Face, Node, View};
+use super::tree::{Branch, root};
+use super::{Child, Face, Node, View};
 use crate::blob::MAX_STACK;
 use crate::blob::prims::Prims;
 use crate::geom::ray::Prepared;
@@ -33,10 +34,19 @@ impl Rows {
         }
         Self { near, far }
     }
+}
 
-    /// The slab test of [`Prepared::slab`] on child `C`, cut to the ray's interval: the same steps in the same order.
+/// What a walk asks of a node, once prepared for a ray.
+pub(crate) trait Test<N> {
+    /// An interval of `t` that holds every hit below child `C` from the ray's `t_min` to `t_max`; empty, its first number
+    /// greater than its second, if there is none. Neither number is NaN.
+    fn interval<const C: usize>(&self, node: &N, ray: &Prepared, t_max: f32) -> (f32, f32);
+}
+
+impl Test<Node> for Rows {
+    /// The slab test of [`Prepared::slab`], cut to the ray's interval: the same steps in the same order.
     #[inline(always)]
-    fn slab<const C: usize>(&self, node: &Node, ray: &Prepared, t_max: f32) -> (f32, f32) {
+    fn interval<const C: usize>(&self, node: &Node, ray: &Prepared, t_max: f32) -> (f32, f32) {
         let near = |k: usize, t: f32| most(ray.near(k, node.planes[self.near[k].at()][C]), t);
         let far = |k: usize, t: f32| least(ray.far(k, node.planes[self.far[k].at()][C]), t);
         (near(2, near(1, near(0, ray.t_min))), far(2, far(1, far(0, t_max))))
@@ -59,9 +69,21 @@ pub fn walk<const ANY: bool>(
     best: &mut Best,
     meter: &mut impl Meter,
 ) -> Result<bool, Stop> {
-    let rows = Rows::new(ray);
+    descend::<ANY, _>(view.nodes, &Rows::new(ray), prims, ray, best, meter)
+}
+
+/// The walk of any binary tree in walk order.
+#[inline(always)]
+pub(crate) fn descend<const ANY: bool, N: Branch>(
+    nodes: &[N],
+    tester: &impl Test<N>,
+    prims: &Prims<'_>,
+    ray: &Prepared,
+    best: &mut Best,
+    meter: &mut impl Meter,
+) -> Result<bool, Stop> {
     let mut stack = heapless::Vec::<_, { index(MAX_STACK) }>::new();
-    let mut at = view.root(prims.len);
+    let mut at = root(nodes, prims.len);
     loop {
         // Descend, nearer child first, to a leaf or to where both children are missed.
         let leaf = loop {
@@ -71,11 +93,11 @@ pub fn walk<const ANY: bool>(
             if !meter.node() {
                 return Err(Stop::Fuel);
             }
-            let node = view.nodes.get(index(at.number())).ok_or(Stop::Corrupt)?;
+            let node = nodes.get(index(at.number())).ok_or(Stop::Corrupt)?;
             meter.at(|| node.bounds(0).join(&node.bounds(1)));
-            let (near0, far0) = rows.slab::<0>(node, ray, best.t);
-            let (near1, far1) = rows.slab::<1>(node, ray, best.t);
-            let [child0, child1] = node.child;
+            let (near0, far0) = tester.interval::<0>(node, ray, best.t);
+            let (near1, far1) = tester.interval::<1>(node, ray, best.t);
+            let [child0, child1] = node.children();
             match (near0 <= far0, near1 <= far1) {
                 (true, true) => {
                     let swap = near1 < near0;
@@ -85,7 +107,7 @@ pub fn walk<const ANY: bool>(
                 }
                 (true, false) => at = child0,
                 (false, true) => at = child1,
-                (false, false) => break super::Child::NONE,
+                (false, false) => break Child::NONE,
             }
         };
         if leaf.len() > 0 && test::<ANY>(prims, (leaf.number(), leaf.len()), ray, best, meter)? {

@@ -41,7 +41,7 @@ pub mod hit;
 pub mod lattice;
 pub mod overlap;
 pub mod ray;
-mod root;
+pub(crate) mod root;
 pub mod sphere;
 pub mod triangle;
 pub(crate) mod vec;

@@ -31,6 +31,9 @@ pub fn configs() -> Vec<Config> {
         Config::new(Kind::Bsp),
         Config::new(Kind::Bsp).rule(Rule::Seed),
         Config::new(Kind::Bsp).rule(Rule::Seed).leaf(1),
+        Config::new(Kind::Sphere),
+        Config::new(Kind::Sphere).rule(Rule::Seed),
+        Config::new(Kind::Sphere).leaf(1),
     ]
 }
 

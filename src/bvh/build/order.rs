@@ -48,7 +48,7 @@ impl<'n> Tree<'n> {
             Join { refs, nodes, unit, leaf, node_cost }.run(bounds);
         }
         let mut tree = Self { refs, nodes, len: nodes.first().map_or(0, |n| n.reserved[0]), stack: 0 };
-        tree.stack = tree.walk().map(|(_, level)| level).fold(0, u32::max);
+        tree.stack = tree.walk().map(|(_, _, level)| level).fold(0, u32::max);
         tree
     }
 
@@ -60,8 +60,9 @@ impl<'n> Tree<'n> {
         self.nodes.get(index(child.number())).map_or((0, 0), |n| (n.reserved[0], n.reserved[1]))
     }
 
-    /// The nodes in walk order with the numbers that they have there, and their levels; the root's is 1.
-    fn walk(self) -> impl Iterator<Item = (Node, u32)> {
+    /// The nodes in walk order with the numbers that they have there, the numbers that they had before, and their levels;
+    /// the root's is 1.
+    pub(crate) fn walk(self) -> impl Iterator<Item = (Node, u32, u32)> {
         // A node, its number, its first slot, its level.
         let mut todo = heapless::Vec::<(u32, u32, u32, u32), 128>::new();
         let mut next = (self.len > 0).then_some((0, 0, 0, 1));
@@ -81,24 +82,30 @@ impl<'n> Tree<'n> {
             let second = child(right, below_right, number + 1 + below_left.0, first + below_left.1);
             node.child = [child(left, below_left, number + 1, first), second];
             node.reserved = [0; 2];
-            Some((node, level))
+            Some((node, at, level))
         })
     }
 
     /// The nodes in walk order.
     pub fn nodes(self) -> impl Iterator<Item = Node> {
-        self.walk().map(|(node, _)| node)
+        self.walk().map(|(node, _, _)| node)
     }
 
     /// The references in slot order.
     pub fn refs(self) -> impl Iterator<Item = &'n Ref> {
-        let mut todo = heapless::Vec::<Child, 128>::new();
         // With no node, the whole run is one leaf.
-        let (mut run, root) = match self.nodes.first() {
-            Some(_) => (&self.refs[..0], Some(Child::node(0))),
-            None => (self.refs, None),
-        };
-        let mut next = root;
+        let run = if self.nodes.is_empty() { self.refs } else { &[] };
+        self.runs(run, (!self.nodes.is_empty()).then_some(Child::node(0)))
+    }
+
+    /// The references below a side of the node that had this number before.
+    pub(crate) fn refs_below(self, node: u32, side: usize) -> impl Iterator<Item = &'n Ref> {
+        self.runs(&[], self.nodes.get(index(node)).map(|n| n.child[side & 1]))
+    }
+
+    /// A run, and then the references below a child.
+    fn runs(self, mut run: &'n [Ref], mut next: Option<Child>) -> impl Iterator<Item = &'n Ref> {
+        let mut todo = heapless::Vec::<Child, 128>::new();
         core::iter::from_fn(move || {
             loop {
                 if let Some((first, rest)) = run.split_first() {

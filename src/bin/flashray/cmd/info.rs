@@ -79,8 +79,9 @@ impl Shape {
         scene.parts(|part| {
             // Of a scene without area nothing can be said but that a ray may meet all of it.
             let share = if whole > 0.0 { area(&part.bounds) / whole } else { 1.0 };
-            // A hierarchy of boxes knows from the parent whether a leaf is met; a cell is a step of its own.
-            let step = if part.listed.is_none() || !matches!(scene.kind(), Kind::List | Kind::Bvh) { 1.0 } else { 0.0 };
+            // A hierarchy of bounds knows from the parent whether a leaf is met; a cell is a step of its own.
+            let bounds = matches!(scene.kind(), Kind::List | Kind::Bvh | Kind::Sphere);
+            let step = if part.listed.is_none() || !bounds { 1.0 } else { 0.0 };
             shape.sah_cost += share * (step + f64::from(part.listed.unwrap_or(0)));
             shape.nodes += usize::from(part.listed.is_none());
             shape.leaves += usize::from(part.listed.is_some());
