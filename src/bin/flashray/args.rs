@@ -27,6 +27,8 @@ pub enum Command {
     Trace(cmd::trace::Args),
     /// Render a blob to a PNG picture
     Render(cmd::render::Args),
+    /// Compare every structure on one scene: speed, size, and pictures of how each parts it
+    Compare(cmd::compare::Args),
     /// Turn a blob into source: a Rust module or a C array
     Emit(cmd::emit::Args),
     /// Build, check, trace and render the procedural scenes, and compare every answer with the list
@@ -42,6 +44,7 @@ impl Command {
             Self::Rays(args) => cmd::rays::run(&args),
             Self::Trace(args) => cmd::trace::run(&args),
             Self::Render(args) => cmd::render::run(&args),
+            Self::Compare(args) => cmd::compare::run(&args),
             Self::Emit(args) => cmd::emit::run(&args),
             Self::Demo(args) => cmd::demo::run(&args),
         }

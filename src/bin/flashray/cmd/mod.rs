@@ -1,6 +1,7 @@
 //! One file per verb.
 pub mod build;
 pub mod check;
+pub mod compare;
 pub mod demo;
 pub mod emit;
 pub mod info;

@@ -46,8 +46,8 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     file::say(&format!("{}: {} rays", args.output.display(), args.count))
 }
 
-/// A random unit vector.
-fn on_sphere(random: &mut Random) -> Vec3 {
+/// A direction, each as likely as any other.
+pub fn on_sphere(random: &mut Random) -> Vec3 {
     loop {
         let p = random.point([0.0; 3], [1.0; 3]);
         let square = p[0] * p[0] + p[1] * p[1] + p[2] * p[2];

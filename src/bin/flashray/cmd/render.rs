@@ -216,7 +216,7 @@ impl<'s, 'a> Shader<'s, 'a> {
 }
 
 /// The unit direction that the surface faces at a point of it.
-fn normal_at(primitive: &Primitive, p: Vec3) -> Vec3 {
+pub fn normal_at(primitive: &Primitive, p: Vec3) -> Vec3 {
     match primitive {
         Primitive::Triangle(t) => {
             let (a, b) = (unit(sub(t.v[1], t.v[0])), unit(sub(t.v[2], t.v[0])));

@@ -1,0 +1,87 @@
+//! Bar plots as SVG.
+use super::page::escaped;
+use std::fmt::Write as _;
+
+/// A plot: for each row a bar for each series, or one bar of them all.
+pub struct Chart<'a> {
+    pub title: &'a str,
+    pub series: &'a [&'a str],
+    pub rows: Vec<(String, Vec<Option<f64>>)>,
+    /// Series lie end to end in one bar.
+    pub stacked: bool,
+    pub decimals: usize,
+}
+
+const WIDTH: f64 = 760.0;
+const LEFT: f64 = 110.0;
+const RIGHT: f64 = 80.0;
+const TOP: f64 = 58.0;
+const GAP: f64 = 9.0;
+
+impl Chart<'_> {
+    /// The picture; its colours are the page's classes `c0`, `c1` and so on.
+    pub fn svg(&self) -> String {
+        let bars = if self.stacked { 1 } else { self.series.len() };
+        let thick = if bars == 1 { 15.0 } else { 9.0 };
+        let row_height = thick * bars as f64 + GAP;
+        let height = TOP + row_height * self.rows.len() as f64 + 6.0;
+        let total = |values: &[Option<f64>]| values.iter().flatten().sum::<f64>();
+        let largest = |values: &[Option<f64>]| values.iter().flatten().fold(0.0f64, |a, &b| a.max(b));
+        let of = |values: &[Option<f64>]| if self.stacked { total(values) } else { largest(values) };
+        let most = self.rows.iter().map(|(_, values)| of(values)).fold(f64::MIN_POSITIVE, f64::max);
+        let scale = (WIDTH - LEFT - RIGHT) / most;
+        let mut svg = format!(
+            "<svg xmlns=\"http://www.w3.org/2000/svg\" class=\"chart\" viewBox=\"0 0 {WIDTH} {height}\" role=\"img\">\
+             <title>{0}</title><text class=\"h\" x=\"0\" y=\"18\">{0}</text>\n",
+            escaped(self.title)
+        );
+        for (i, name) in self.series.iter().enumerate() {
+            let x = LEFT + 150.0 * i as f64;
+            // Writing to a string does not fail, here and below.
+            let _ = writeln!(
+                svg,
+                "<rect class=\"c{i}\" x=\"{x}\" y=\"32\" width=\"11\" height=\"11\"/><text x=\"{}\" y=\"42\">{name}</text>",
+                x + 16.0
+            );
+        }
+        for (i, (label, values)) in self.rows.iter().enumerate() {
+            let y = TOP + row_height * i as f64;
+            let middle = y + (row_height - GAP) / 2.0 + 4.0;
+            let _ = writeln!(svg, "<text class=\"l\" x=\"{}\" y=\"{middle:.1}\">{}</text>", LEFT - 8.0, escaped(label));
+            svg += &if self.stacked { self.stack(values, y, scale) } else { self.group(values, y, scale) };
+        }
+        svg + "</svg>\n"
+    }
+
+    fn group(&self, values: &[Option<f64>], y: f64, scale: f64) -> String {
+        let bar = |(i, value): (usize, &Option<f64>)| {
+            let y = y + 9.0 * i as f64;
+            match value {
+                Some(value) => {
+                    format!("{}{}", bar(i, LEFT, y, value * scale, 9.0), self.number(*value, y + 8.0, scale))
+                }
+                None => String::new(),
+            }
+        };
+        values.iter().enumerate().map(bar).collect()
+    }
+
+    fn stack(&self, values: &[Option<f64>], y: f64, scale: f64) -> String {
+        let (mut svg, mut sum) = (String::new(), 0.0);
+        for (i, value) in values.iter().enumerate() {
+            let value = value.unwrap_or(0.0);
+            svg += &bar(i, LEFT + sum * scale, y, value * scale, 15.0);
+            sum += value;
+        }
+        svg + &self.number(sum, y + 12.0, scale)
+    }
+
+    fn number(&self, value: f64, y: f64, scale: f64) -> String {
+        let (x, decimals) = (LEFT + value * scale + 5.0, self.decimals);
+        format!("<text class=\"v\" x=\"{x:.1}\" y=\"{y:.1}\">{value:.decimals$}</text>\n")
+    }
+}
+
+fn bar(series: usize, x: f64, y: f64, width: f64, height: f64) -> String {
+    format!("<rect class=\"c{series}\" x=\"{x:.1}\" y=\"{y:.1}\" width=\"{width:.1}\" height=\"{height}\"/>")
+}
