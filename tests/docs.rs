@@ -134,3 +134,24 @@ fn the_readme_s_example_is_the_quickstart_s_and_its_commands_exist() {
     assert!(readme.contains("cargo test --features cli"), "the README names the test command");
     assert!(ci.contains("cargo test --locked --features cli"), "CI runs the README's test command");
 }
+
+#[test]
+fn every_structure_is_explained_with_pictures() {
+    let text = read("docs/structures.md");
+    for &(_, name) in KINDS {
+        assert!(text.contains(&format!("\n## {name}\n")), "docs/structures.md does not explain {name}");
+        let files = if name == "list" {
+            vec!["list.svg".into()]
+        } else {
+            vec![format!("{name}-seed.svg"), format!("{name}-sah.svg")]
+        };
+        for file in files {
+            assert!(text.contains(&format!("(img/slices/{file})")), "docs/structures.md does not show {file}");
+            let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/img/slices").join(&file);
+            let bytes = fs::metadata(path)
+                .unwrap_or_else(|_| panic!("no docs/img/slices/{file}: run benches/structures.sh"))
+                .len();
+            assert!(bytes < 60_000, "{file} has {bytes} bytes");
+        }
+    }
+}

@@ -1,6 +1,7 @@
 //! The command as its users run it: a fresh folder for each test, and all that it says and writes is looked at.
 mod broken;
 mod broken_blobs;
+mod compare;
 mod demo;
 mod emit;
 mod info;

@@ -2,10 +2,18 @@
 use super::Folder;
 
 /// What can not be meant.
-const WRONG: [&str; 42] = [
+const WRONG: [&str; 50] = [
     "",
     "nosuch",
-    "compare cube.obj",
+    "compare",
+    "compare cube.obj extra",
+    "compare cube.obj --rays 15",
+    "compare cube.obj --rays 10000001",
+    "compare cube.obj --rounds 0",
+    "compare cube.obj --leaf 16",
+    "compare cube.obj --slice w",
+    "compare cube.obj --at 1.5",
+    "compare cube.obj --at nan",
     "build cube.obj",
     "build -o out",
     "build cube.obj -o",
@@ -70,7 +78,7 @@ fn refused(folder: &Folder, args: &str) {
 }
 
 /// Every verb with what its help must name.
-const HELP: [(&str, &[&str]); 8] = [
+const HELP: [(&str, &[&str]); 9] = [
     (
         "build",
         &[
@@ -110,6 +118,7 @@ const HELP: [(&str, &[&str]); 8] = [
             "--fov",
         ],
     ),
+    ("compare", &["IN", "-o", "--output", "--rays", "--rounds", "--leaf", "--slice", "--at", "--json", "index.html"]),
     ("emit", &["--as", "rust", "c", "-o", "--output", "--name", "--section"]),
     ("demo", &["-o", "--output", "--rays", "--json"]),
 ];
