@@ -103,7 +103,7 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     measure::time(&mut rows, &scenes, &rays, args.rounds as usize, &bar);
     bar.finish_and_clear();
     let wrong: u64 = rows.iter().filter_map(|row| row["wrong"].as_u64()).sum();
-    let mut facts = summary(args, &rays, truth.listed, rows);
+    let mut facts = summary(args, &rays, truth.listed, &rows);
     if let Some(folder) = &args.output {
         let plane = Plane::new(args.slice as usize, args.at, &bvh.bounds());
         facts["page"] = json!(write(folder, &facts, &built, &scenes, &plane, bvh)?);
@@ -112,7 +112,7 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     if wrong == 0 { Ok(()) } else { Err(format!("{}: {wrong} answers differ from the list's", args.input)) }
 }
 
-fn summary(args: &Args, rays: &Rays, listed: usize, rows: Vec<Value>) -> Value {
+fn summary(args: &Args, rays: &Rays, listed: usize, rows: &[Value]) -> Value {
     let counts: Map<String, Value> =
         rays::KINDS.iter().zip(&rays.kinds).map(|(kind, rays)| ((*kind).to_owned(), json!(rays.len()))).collect();
     let all: usize = rays.kinds.iter().map(Vec::len).sum();

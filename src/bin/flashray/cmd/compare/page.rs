@@ -88,10 +88,10 @@ pub fn write(facts: &Value, pictures: &[(String, Picture)]) -> String {
 }
 
 fn html_table(title: &str, rows: &[Value], columns: &[Column]) -> String {
-    let heads: String = columns.iter().map(|column| format!("<th>{}</th>", column.0)).collect();
+    let heads: String = columns.iter().map(|column| ["<th>", column.0, "</th>"].concat()).collect();
     let mut html = format!("<h2>{title}</h2>\n<div class=\"wide\"><table>\n<tr><th>structure</th>{heads}</tr>\n");
     for row in rows {
-        let cells: String = columns.iter().map(|column| format!("<td>{}</td>", column.cell(row))).collect();
+        let cells: String = columns.iter().map(|column| ["<td>", &column.cell(row), "</td>"].concat()).collect();
         let _ = writeln!(html, "<tr><td>{}</td>{cells}</tr>", table::label(row));
     }
     html + "</table></div>\n"

@@ -122,9 +122,12 @@ fn fills(cells: &[Cell], window: &Window) -> String {
     paths.into_iter().map(tint).collect()
 }
 
+/// Where lines of one direction lie, and from where to where they run.
+type Lines = BTreeMap<i32, Vec<[i32; 2]>>;
+
 /// The outlines of each level, deep ones thinner; lines that lie end to end or on each other are one.
 fn outlines(cells: &[Cell], window: &Window) -> String {
-    let mut levels: BTreeMap<u32, [BTreeMap<i32, Vec<[i32; 2]>>; 2]> = BTreeMap::new();
+    let mut levels: BTreeMap<u32, [Lines; 2]> = BTreeMap::new();
     let mut counts = [0; LEVELS as usize + 1];
     for cell in cells {
         counts[cell.level.min(LEVELS) as usize] += 1;
@@ -220,8 +223,8 @@ fn legend(window: &Window) -> String {
         "numbers below the ray: leaves and cells in order of visit; blue ones above it: other nodes, where it enters them",
     ];
     let mut svg = String::new();
-    for (i, line) in lines.iter().enumerate() {
-        let y = window.bottom() + 170 + i as i32 * 150;
+    for (i, line) in (0..).zip(lines) {
+        let y = window.bottom() + 170 + i * 150;
         let _ = writeln!(svg, "<text class=\"s\" x=\"{MARGIN}\" y=\"{y}\">{line}</text>");
     }
     svg

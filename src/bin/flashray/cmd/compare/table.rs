@@ -98,7 +98,7 @@ fn aligned(rows: &[Value], columns: &[Column]) -> String {
             std::iter::once(column.0.to_owned()).chain(rows.iter().map(|row| column.cell(row))).collect();
         let width = cells.iter().map(String::len).max().unwrap_or(0);
         for (line, cell) in lines.iter_mut().zip(cells) {
-            *line += &format!("  {cell:>width$}");
+            line.extend(["  ", &" ".repeat(width - cell.len()), &cell]);
         }
     }
     lines.join("\n") + "\n"
