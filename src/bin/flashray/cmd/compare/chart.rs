@@ -77,7 +77,9 @@ impl Chart<'_> {
     }
 
     fn number(&self, value: f64, y: f64, scale: f64) -> String {
-        let (x, decimals) = (LEFT + value * scale + 5.0, self.decimals);
+        // The list's speed has its first digit far behind the point.
+        let decimals = if value < 0.1 { 4 } else { self.decimals };
+        let x = LEFT + value * scale + 5.0;
         format!("<text class=\"v\" x=\"{x:.1}\" y=\"{y:.1}\">{value:.decimals$}</text>\n")
     }
 }

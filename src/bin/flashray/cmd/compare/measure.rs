@@ -15,7 +15,7 @@ use std::hint::black_box;
 use std::time::Instant;
 
 /// Tests that the list may spend on finding the truth: some seconds. Beyond that it answers for a sample of the rays.
-const TRUTH_TESTS: usize = 400_000_000;
+const TRUTH_TESTS: usize = 200_000_000;
 /// Tests that the list may spend on a pass when it is timed.
 const TIMED_TESTS: usize = 4_000_000;
 

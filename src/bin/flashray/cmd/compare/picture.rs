@@ -9,8 +9,8 @@ use std::fmt::Write as _;
 
 /// Most nodes and non-empty cells drawn.
 const MOST: usize = 6000;
-/// Most visits numbered.
-const NUMBERS: usize = 99;
+/// Of more visits than this only every fifth, tenth or so is numbered.
+const NUMBERS: usize = 40;
 /// Levels that look different.
 const LEVELS: u32 = 7;
 
@@ -93,7 +93,10 @@ fn caption(scene: &Scene<'_>, plane: &Plane, trail: &Trail, left_out: usize) -> 
     let visits = match trail.visits.len() {
         0 => "visits no node".to_owned(),
         1 => "visits 1 node or cell".to_owned(),
-        n => format!("visits {n} nodes or cells (numbered in order)"),
+        n => match every(n) {
+            1 => format!("visits {n} nodes or cells (numbered in order)"),
+            every => format!("visits {n} nodes or cells (every {every}th numbered, in order)"),
+        },
     };
     let tests = plural(trail.tests as usize, "primitive", "primitives");
     let hit = trail.hit.map_or_else(|| "no hit".to_owned(), |hit| format!("hits primitive {}", hit.prim));
@@ -117,7 +120,7 @@ fn fills(cells: &[Cell], window: &Window) -> String {
         }
     }
     let tint = |(shade, path): (u32, String)| {
-        format!("<path class=\"f\" fill-opacity=\".{:02}\" d=\"{path}\"/>\n", 10 + 8 * shade)
+        format!("<path class=\"f\" fill-opacity=\".{:02}\" d=\"{path}\"/>\n", 8 + 6 * shade)
     };
     paths.into_iter().map(tint).collect()
 }
@@ -193,11 +196,17 @@ fn way(trail: &Trail, plane: &Plane, window: &Window, ray: &Ray) -> String {
     svg
 }
 
+/// Which of so many visits are numbered.
+fn every(visits: usize) -> usize {
+    [1, 5, 10, 50, 100].into_iter().find(|every| visits / every <= NUMBERS).unwrap_or(1000)
+}
+
 /// Inner nodes are numbered above the ray where it enters them, others below it in their middle; a number that would
 /// lie on another moves away from the ray.
 fn numbers(visits: &[Visit], window: &Window, at: &impl Fn(f64) -> [i32; 2]) -> String {
     let (mut svg, mut leaders, mut taken) = (String::new(), String::new(), Vec::<[i32; 2]>::new());
-    for (i, visit) in visits.iter().enumerate().take(NUMBERS) {
+    let every = every(visits.len());
+    for (i, visit) in visits.iter().enumerate().filter(|(i, _)| *i == 0 || (i + 1) % every == 0) {
         let [near, far] = visit.span;
         let [x, y] = at(if visit.leaf { f64::midpoint(near, far) } else { near });
         let side = if visit.leaf { 1 } else { -1 };
