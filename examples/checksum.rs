@@ -1,4 +1,4 @@
-//! `checksum FILE.fray`: the probe on the host. Prints what `examples/firmware` and `examples/web` print.
+//! `checksum FILE.fray..`: the probe on the host. Prints what `examples/firmware` and `examples/web` print.
 use flashray::Scene;
 use flashray::blob::Buffer;
 use std::error::Error;
@@ -7,17 +7,19 @@ use std::process::ExitCode;
 mod probe;
 
 fn main() -> ExitCode {
-    let Some(path) = std::env::args().nth(1) else {
-        eprintln!("usage: checksum FILE.fray");
+    let paths: Vec<_> = std::env::args().skip(1).collect();
+    if paths.is_empty() {
+        eprintln!("usage: checksum FILE.fray..");
         return ExitCode::from(2);
-    };
-    match print(&path) {
-        Ok(()) => ExitCode::SUCCESS,
-        Err(error) => {
+    }
+    for path in paths {
+        println!("file={path}");
+        if let Err(error) = print(&path) {
             eprintln!("{path}: {error}");
-            ExitCode::FAILURE
+            return ExitCode::FAILURE;
         }
     }
+    ExitCode::SUCCESS
 }
 
 fn print(path: &str) -> Result<(), Box<dyn Error>> {

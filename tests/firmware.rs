@@ -1,5 +1,6 @@
 //! The firmware: the same answers on a Cortex-M as on the host, and no way to panic on any bare-metal target.
 use crate::common::tools::{FIXTURES, Facts, Fixture, cargo, has_program, has_target, nested, succeed, succeed_within};
+use flashray::blob::KINDS;
 use std::path::PathBuf;
 use std::process::Command;
 
@@ -7,10 +8,16 @@ const M4F: &str = "thumbv7em-none-eabihf";
 const M0: &str = "thumbv6m-none-eabi";
 const RISCV: &str = "riscv32imac-unknown-none-elf";
 
-/// Builds the firmware with a scene in it. A panic that is left would stop the linker; ask the symbols as well.
-fn build(fixture: &Fixture, target: &str) -> PathBuf {
+/// The scenes of one image.
+fn scenes(image: &str) -> Vec<&'static Fixture> {
+    FIXTURES.iter().filter(|f| f.image == image).collect()
+}
+
+/// Builds the firmware with scenes in it. A panic that is left would stop the linker; ask the symbols as well.
+fn build(fixtures: &[&Fixture], target: &str) -> PathBuf {
+    let modules = std::env::join_paths(fixtures.iter().map(|f| &f.module)).expect("paths without colons");
     let mut build = cargo("examples/firmware", "firmware");
-    succeed(build.args(["build", "--release", "--locked", "--target", target]).env("FLASHRAY_SCENE", &fixture.module));
+    succeed(build.args(["build", "--release", "--locked", "--target", target]).env("FLASHRAY_SCENE", modules));
     let elf = nested("firmware").join(target).join("release/flashray-firmware");
     let bytes = std::fs::read(&elf).expect("the firmware's ELF");
     let holds = |text: &[u8]| bytes.windows(text.len()).any(|w| w == text);
@@ -20,11 +27,22 @@ fn build(fixture: &Fixture, target: &str) -> PathBuf {
     elf
 }
 
-/// Runs the firmware under QEMU.
-fn run(elf: &PathBuf, machine: &str) -> Facts {
+/// Runs the firmware under QEMU; returns what it says of each scene.
+fn run(elf: &PathBuf, machine: &str) -> Vec<Facts> {
     let mut qemu = Command::new("qemu-system-arm");
     qemu.args(["-M", machine, "-nographic", "-semihosting-config", "enable=on,target=native"]);
-    Facts::of(&succeed_within(120, qemu.args(["-icount", "shift=0", "-kernel"]).arg(elf)))
+    Facts::parts(&succeed_within(120, qemu.args(["-icount", "shift=0", "-kernel"]).arg(elf)), "blob_bytes")
+}
+
+/// The scenes of one image on a machine.
+fn judge_all(image: &str, target: &str, machine: &str) {
+    let fixtures = scenes(image);
+    if fixtures.is_empty() {
+        return;
+    }
+    let facts = run(&build(&fixtures, target), machine);
+    assert_eq!(facts.len(), fixtures.len(), "{image}: a report for each scene");
+    fixtures.iter().zip(&facts).for_each(|(fixture, facts)| judge(fixture, facts));
 }
 
 /// The host's answer, and bounds on what it took: generous, since they only catch what went wrong altogether.
@@ -45,8 +63,8 @@ fn cortex_m4f_answers_as_the_host() {
     if !has_target(M4F) || !has_program("qemu-system-arm", "QEMU's Arm system emulator (qemu-system-arm)") {
         return;
     }
-    for fixture in FIXTURES.iter() {
-        judge(fixture, &run(&build(fixture, M4F), "mps2-an386"));
+    for image in ["balls", "teapot", "xip", "bunny"] {
+        judge_all(image, M4F, "mps2-an386");
     }
 }
 
@@ -55,9 +73,7 @@ fn software_floats_answer_as_the_host() {
     if !has_target(M0) || !has_program("qemu-system-arm", "QEMU's Arm system emulator (qemu-system-arm)") {
         return;
     }
-    for fixture in FIXTURES.iter().take(1) {
-        judge(fixture, &run(&build(fixture, M0), "mps2-an385"));
-    }
+    judge_all("balls", M0, "mps2-an385");
 }
 
 #[test]
@@ -65,8 +81,19 @@ fn risc_v_links_without_panics() {
     if !has_target(RISCV) {
         return;
     }
-    for fixture in FIXTURES.iter().take(1) {
-        build(fixture, RISCV);
+    build(&scenes("balls"), RISCV);
+}
+
+#[test]
+fn each_structure_links_alone() {
+    if !has_target(M4F) {
+        return;
+    }
+    let module = &scenes("balls")[0].module;
+    for (_, kind) in KINDS {
+        let mut build = cargo("examples/firmware", "firmware");
+        build.args(["build", "--release", "--locked", "--target", M4F, "--features", "only", "--bin", "only"]);
+        succeed(build.env("FLASHRAY_SCENE", module).env("FLASHRAY_ONLY", kind));
     }
 }
 

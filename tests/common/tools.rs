@@ -1,4 +1,5 @@
 //! Tools beside cargo, programs with a time limit, and the scenes that firmware and web are tried on.
+use flashray::blob::KINDS;
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
@@ -7,6 +8,8 @@ use std::time::{Duration, Instant};
 
 /// Bytes from which a blob does not fit into the firmware's internal flash.
 const INTERNAL_FLASH: u64 = 3_500_000;
+/// What is built in every structure: all kinds of primitives, and triangles alone.
+pub const INPUTS: [(&str, &str); 2] = [("balls", "spd:balls:2"), ("teapot", "spd:teapot:4")];
 
 /// Says that a test can not be run. Under `CI=true` that is a failure, so that nothing is skipped there unseen.
 pub fn skip(what: &str, remedy: &str) {
@@ -83,7 +86,7 @@ fn said(output: &Output) -> String {
 }
 
 /// The `key=value` lines among what a program said.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub struct Facts(HashMap<String, String>);
 
 impl Facts {
@@ -91,6 +94,21 @@ impl Facts {
     pub fn of(output: &Output) -> Self {
         let pair = |line: &str| line.trim_end().split_once('=').map(|(k, v)| (k.into(), v.into()));
         Self(said(output).lines().filter_map(pair).collect())
+    }
+
+    /// One for each part of what a program said; a part begins with the line of `key`.
+    pub fn parts(output: &Output, key: &str) -> Vec<Self> {
+        let mut parts = Vec::new();
+        for line in said(output).lines() {
+            let Some((k, v)) = line.trim_end().split_once('=') else { continue };
+            if k == key {
+                parts.push(Self::default());
+            }
+            if let Some(Self(facts)) = parts.last_mut() {
+                facts.insert(k.into(), v.into());
+            }
+        }
+        parts
     }
 
     /// The value of a key.
@@ -113,7 +131,9 @@ impl Facts {
 /// A scene: its blob, the blob as a Rust module, and the answer that every machine must give.
 pub struct Fixture {
     /// For messages.
-    pub name: &'static str,
+    pub name: String,
+    /// Scenes of one image have the same.
+    pub image: &'static str,
     /// Path of the blob.
     pub blob: PathBuf,
     /// Path of the module for the firmware.
@@ -122,42 +142,54 @@ pub struct Fixture {
     pub answer: (String, u32),
 }
 
-/// All scenes, made once. Bunny only where its mesh is.
+/// All scenes, made once: two inputs in every structure, a blob in external flash, and bunny where its mesh is.
 pub static FIXTURES: LazyLock<Vec<Fixture>> = LazyLock::new(|| {
     let bunny = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/meshes/bunny.obj");
-    let mut fixtures = vec![
-        fixture("balls-bvh", "spd:balls:2", "bvh", None),
-        fixture("balls-list", "spd:balls:2", "list", None),
-        fixture("balls-xip", "spd:balls:2", "bvh", Some(".xip")),
-    ];
+    let mut fixtures = Vec::new();
+    for (image, input) in INPUTS {
+        let kinds = KINDS.iter().map(|(_, kind)| blob(image, input, kind, None));
+        fixtures.extend(kinds);
+    }
+    fixtures.push(blob("xip", "spd:balls:2", "bvh", Some(".xip")));
     match bunny.to_str() {
-        Some(path) if bunny.is_file() => fixtures.push(fixture("bunny-bvh", path, "bvh", None)),
+        Some(path) if bunny.is_file() => fixtures.push(blob("bunny", path, "bvh", None)),
         _ => {
             eprintln!("skipped: scene bunny-bvh; there is no {}, a mesh too large for the repository", bunny.display());
         }
     }
+    let (debug, release) = (checksums(&fixtures, &[]), checksums(&fixtures, &["--release"]));
+    assert_eq!((debug.len(), release.len()), (fixtures.len(), fixtures.len()), "an answer for each scene");
+    for (fixture, (debug, release)) in fixtures.iter_mut().zip(debug.into_iter().zip(release)) {
+        assert_eq!(release, debug, "{}: host, release against debug", fixture.name);
+        assert!(debug.1 > 0, "{}: no ray hits", fixture.name);
+        fixture.answer = debug;
+    }
+    for (image, _) in INPUTS {
+        let mut same = fixtures.iter().filter(|f| f.image == image).map(|f| &f.answer);
+        let first = same.next();
+        assert!(same.all(|answer| Some(answer) == first), "{image}: structures differ");
+    }
     fixtures
 });
 
-/// Makes one scene and asks the host about it.
-fn fixture(name: &'static str, input: &str, structure: &str, section: Option<&str>) -> Fixture {
+/// Makes one scene; its answer comes later.
+fn blob(image: &'static str, input: &str, structure: &str, section: Option<&str>) -> Fixture {
     let tmp = Path::new(env!("CARGO_TARGET_TMPDIR"));
-    let (blob, module) = (tmp.join(name).with_extension("fray"), tmp.join(name).with_extension("rs"));
+    let name = format!("{image}-{structure}");
+    let (blob, module) = (tmp.join(&name).with_extension("fray"), tmp.join(&name).with_extension("rs"));
     let flashray = || Command::new(env!("CARGO_BIN_EXE_flashray"));
     succeed(flashray().args(["build", input, "--structure", structure, "-o"]).arg(&blob));
     let size = blob.metadata().expect("a blob's size").len();
     let section = section.or((size > INTERNAL_FLASH).then_some(".xip"));
     let section = section.map_or(vec![], |s| vec!["--section", s]);
     succeed(flashray().arg("emit").arg(&blob).args(["--as", "rust", "-o"]).arg(&module).args(section));
-    let debug = checksum(&blob, &[]);
-    assert_eq!(checksum(&blob, &["--release"]), debug, "{name}: host, release against debug");
-    assert!(debug.1 > 0, "{name}: no ray hits");
-    Fixture { name, blob, module, answer: debug }
+    Fixture { name, image, blob, module, answer: (String::new(), 0) }
 }
 
-/// The probe on the host.
-fn checksum(blob: &Path, profile: &[&str]) -> (String, u32) {
+/// The probe on the host, for each scene.
+fn checksums(fixtures: &[Fixture], profile: &[&str]) -> Vec<(String, u32)> {
     let mut run = cargo(".", "host");
-    run.args(["run", "--quiet", "--example", "checksum", "--features", "alloc"]).args(profile).arg("--").arg(blob);
-    Facts::of(&succeed(&mut run)).answer()
+    run.args(["run", "--quiet", "--example", "checksum", "--features", "alloc"]).args(profile).arg("--");
+    let output = succeed(run.args(fixtures.iter().map(|f| &f.blob)));
+    Facts::parts(&output, "file").iter().map(Facts::answer).collect()
 }

@@ -12,9 +12,9 @@ mod platform;
 #[cfg(target_arch = "arm")]
 mod report;
 
-/// The blob, as `flashray emit --as rust` wrote it.
-mod scene {
-    include!(env!("FLASHRAY_SCENE_MODULE"));
+/// The blobs, as `flashray emit --as rust` wrote them.
+mod scenes {
+    include!(concat!(env!("OUT_DIR"), "/scenes.rs"));
 }
 
 #[cfg(target_arch = "arm")]
@@ -28,8 +28,9 @@ fn main() -> ! {
 #[unsafe(no_mangle)]
 extern "C" fn _start() -> ! {
     loop {
-        let answer = flashray_firmware::answer(core::hint::black_box(&scene::SCENE.0));
-        let _ = core::hint::black_box(answer);
+        for blob in core::hint::black_box(&scenes::SCENES) {
+            let _ = core::hint::black_box(flashray_firmware::answer(blob));
+        }
     }
 }
 

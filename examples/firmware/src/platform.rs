@@ -112,10 +112,11 @@ pub fn static_ram() -> u32 {
     between(&raw const __sdata, &raw const __edata).saturating_add(between(&raw const __sbss, &raw const __ebss))
 }
 
-/// Bytes of code and constants in flash, without the blob.
-pub fn flash(blob: &[u8]) -> u32 {
+/// Bytes of code and constants in flash, without the blobs.
+pub fn flash(blobs: &[&[u8]]) -> u32 {
     let constants = (&raw const __srodata).addr()..(&raw const __erodata).addr();
-    let inside = if constants.contains(&blob.as_ptr().addr()) { blob.len() as u32 } else { 0 };
+    let inside = blobs.iter().filter(|blob| constants.contains(&blob.as_ptr().addr()));
+    let inside = inside.fold(0u32, |sum, blob| sum.saturating_add(blob.len() as u32));
     let code = between(ptr::null(), &raw const __etext);
     let data = between(&raw const __sdata, &raw const __edata);
     let data = between(&raw const __srodata, &raw const __erodata).saturating_add(data);

@@ -1,6 +1,6 @@
-//! The report: one `key=value` a line.
+//! The report: one `key=value` a line, scene after scene.
 use crate::platform::{self, TICK, measure};
-use crate::scene::SCENE;
+use crate::scenes::SCENES;
 use core::hint::black_box;
 use flashray::{BlobError, Scene};
 use flashray_firmware::probe::{self, RAYS, Set, Watch};
@@ -27,13 +27,16 @@ impl Watch for Cost {
     }
 }
 
-/// Checks the blob, traces the rays and prints everything.
+/// Checks every blob, traces the rays and prints everything.
 ///
 /// # Errors
-/// The rule that the blob breaks; it is printed too.
+/// The first rule that a blob breaks; it is printed too.
 pub fn run() -> Result<(), BlobError> {
     platform::start_clock();
-    let bytes: &[u8] = black_box(&SCENE.0);
+    black_box(&SCENES).iter().try_for_each(|bytes| scene(bytes))
+}
+
+fn scene(bytes: &[u8]) -> Result<(), BlobError> {
     number("blob_bytes", bytes.len() as u32);
     let mut checked = Scene::trust(bytes);
     let (check_ticks, check_stack) = measure(|| checked = Scene::from_bytes(bytes));
@@ -58,7 +61,7 @@ pub fn run() -> Result<(), BlobError> {
     number("check_stack_bytes", check_stack);
     number("query_stack_bytes", cost.stack);
     number("static_ram_bytes", platform::static_ram());
-    number("flash_bytes", platform::flash(bytes));
+    number("flash_bytes", platform::flash(&SCENES));
     Ok(())
 }
 
