@@ -74,9 +74,13 @@ impl Plan {
         }
         let mut best: Option<(f32, [u32; 3])> = None;
         for density in choice.densities {
-            let (cost, cells) = affordable(input, n * density, choice.step);
+            let (cost, cells, whole) = affordable(input, n * density, choice.step);
             if best.is_none_or(|(least, _)| cost < least) {
                 best = Some((cost, cells));
+            }
+            // Densities are powers of two: the greater ones would be halved until they are this one.
+            if !whole {
+                break;
             }
         }
         Self::of(input, best.map_or([1; 3], |(_, cells)| cells), choice.cells)
@@ -105,15 +109,18 @@ fn shape(bounds: &Aabb, cells: [u32; 3]) -> Shape {
     Shape { lattice: Lattice::over(bounds, cells), cells, reserved: 0 }
 }
 
-/// A resolution of about `total` cells, or of fewer if they would list too much, and its expected cost.
-pub(crate) fn affordable(input: &Input<'_>, mut total: f32, step: f32) -> (f32, [u32; 3]) {
+/// A resolution of about `total` cells, or of fewer if they would list too much, and its expected cost; and whether it
+/// is of as many.
+fn affordable(input: &Input<'_>, mut total: f32, step: f32) -> (f32, [u32; 3], bool) {
+    let mut whole = true;
     loop {
         let cells = resolution(&input.bounds, total, MOST_CELLS);
         let (listed, cost) = expected(input, cells, step);
         if listed <= float(input.len) * MOST_LISTED || cells == [1; 3] {
-            return (cost, cells);
+            return (cost, cells, whole);
         }
         total *= 0.5;
+        whole = false;
     }
 }
 

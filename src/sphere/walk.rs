@@ -20,13 +20,14 @@
 //!    Schwarz), denominator, its inverse and the product `8.7 u E`. An error of `s` makes `oc - s d` longer by as much.
 //! 5. *That vector*, rounded: `3.5 u E`. Its scaled length against the scaled radius, where the two are about equal and
 //!    so neither is beyond `|oc|`: `8.7 u E`.
-//! 6. *The interval* `s -+ (r + margin)`, times `1 / dir[kz]`: steps 2 to 4; the sum and the difference `8.7 u E`, and
-//!    `5.2 u E` for the rounding of the inverse. The last product is monotone, and the `t` that it is compared with is an
+//! 6. *The interval* `s -+ (h + margin)`, times `1 / dir[kz]`, where `h` is half the chord of the grown sphere: no less than
+//!    that of the sphere grown by steps 1 to 5 alone, but for the rounding of the root, of its argument and of two
+//!    products, `7 u E`. Steps 2 to 4; the sum and the difference `8.7 u E`, and `5.2 u E` for the rounding of the inverse. The last product is monotone, and the `t` that it is compared with is an
 //!    `f32`: its own rounding, to a denormal or to infinity too, loses nothing.
 //!
 //! A radius is at most `3.5 E`, since centre and boxes lie in the bounds; a blob may have a greater one, but every
-//! comparison is monotone in it. Steps 1 to 5 add up to `1.91 M + 31 u E`, and 1 to 4 and 6 to `1.91 M + 33 u E`: less than
-//! `3 M`. The margin is `4 M` and `2^-147 |dir[kz]|`. The lengths of step 5 are compared in units of `2^19 M`, which is
+//! comparison is monotone in it. Steps 1 to 5 add up to `1.91 M + 31 u E`, and 1 to 4 and 6 to `1.91 M + 40 u E`: less than
+//! `3.2 M`. The margin is `4 M` and `2^-147 |dir[kz]|`. The lengths of step 5 are compared in units of `2^19 M`, which is
 //! no less than `E`: no square overflows, and the margin's own is `2^-34`, so none that matters underflows. Beyond
 //! coordinates of 5e36 and directions of `2^126` the margin is infinite, and everything is visited. So it is where a NaN
 //! turns up: every comparison is written so.
@@ -34,6 +35,7 @@ use super::{Node, View};
 use crate::blob::prims::Prims;
 use crate::bvh::walk::{Test, descend};
 use crate::geom::ray::Prepared;
+use crate::geom::root::sqrt;
 use crate::geom::vec::{Vec3, add_scaled, dot, least, most, scale, size, sub};
 use crate::walk::{Best, Meter, Stop};
 
@@ -59,6 +61,8 @@ struct Line {
     margin: f32,
     /// `1 / unit` of lengths.
     inv_unit: f32,
+    /// Unit of lengths.
+    unit: f32,
 }
 
 impl Line {
@@ -68,9 +72,10 @@ impl Line {
         // Turned so that distances grow with `t`.
         let (dir, to_t) = if to_t < 0.0 { (scale(dir, -1.0), -to_t) } else { (dir, to_t) };
         let pad = size(sub(ray.near_origin, ray.origin));
+        let unit = pad * UNIT;
         let fair = pad < MOST_PAD && to_t >= f32::MIN_POSITIVE;
         let margin = if fair { pad * MARGIN + UNDERFLOW / to_t } else { f32::INFINITY };
-        Self { origin: ray.origin, dir, to_t, inv_square: 1.0 / dot(dir, dir), margin, inv_unit: 1.0 / (pad * UNIT) }
+        Self { origin: ray.origin, dir, to_t, inv_square: 1.0 / dot(dir, dir), margin, inv_unit: 1.0 / unit, unit }
     }
 }
 
@@ -83,8 +88,10 @@ impl Test<Node> for Line {
         let nearest = scale(add_scaled(from, -middle, self.dir), self.inv_unit);
         let radius = node.radii[C] + self.margin;
         let reach = radius * self.inv_unit;
-        let missed = dot(nearest, nearest) > reach * reach;
-        let (near, far) = ((middle - radius) * self.to_t, (middle + radius) * self.to_t);
+        let rest = reach * reach - dot(nearest, nearest);
+        let missed = rest < 0.0;
+        let half = sqrt(rest * self.inv_square) * self.unit + self.margin;
+        let (near, far) = ((middle - half) * self.to_t, (middle + half) * self.to_t);
         // A NaN leaves the ray's own interval.
         (most(near, ray.t_min), if missed { f32::NEG_INFINITY } else { least(far, t_max) })
     }
