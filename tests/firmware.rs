@@ -51,7 +51,8 @@ fn judge(fixture: &Fixture, facts: &Facts) {
     assert_eq!(facts.answer(), fixture.answer, "{}: firmware against host", fixture.name);
     assert_eq!(facts.number("static_ram_bytes"), 0);
     for stack in ["check_stack_bytes", "query_stack_bytes"] {
-        assert!((1..4096).contains(&facts.number(stack)), "{stack}={}", facts.number(stack));
+        // Six grids' walks at once, on a machine whose compiler spills most, are the deepest.
+        assert!((1..5120).contains(&facts.number(stack)), "{stack}={}", facts.number(stack));
     }
     for count in ["camera_instructions_per_ray", "chords_instructions_per_ray", "start_instructions"] {
         assert!(facts.number(count) > 0, "{count}: the clock stands still");

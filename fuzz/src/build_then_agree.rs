@@ -18,6 +18,8 @@ const RAYS: usize = 4;
 const PRIMS: usize = 64;
 /// Room in the arenas for nodes, for words of cells and for words of what they list.
 const NODES: usize = 2 * PRIMS;
+/// Room for references: a structure that parts space may want several of a primitive.
+const REFS: usize = 8 * PRIMS;
 const WORDS: usize = 1 << 15;
 /// Most cells along an axis that are asked for; 0 leaves it to the builder.
 const CELLS: u8 = 12;
@@ -32,7 +34,7 @@ thread_local! {
 
 /// What an arena borrows.
 struct Memory<const NODES: usize, const WORDS: usize> {
-    refs: heapless::Vec<Ref, PRIMS>,
+    refs: heapless::Vec<Ref, REFS>,
     nodes: heapless::Vec<Node, NODES>,
     cells: heapless::Vec<u32, WORDS>,
     slots: heapless::Vec<u32, WORDS>,
@@ -54,7 +56,7 @@ impl<const NODES: usize, const WORDS: usize> Memory<NODES, WORDS> {
 
     /// Whether a build surely has enough of it.
     fn holds(needs: &Needs) -> bool {
-        needs.refs <= PRIMS && needs.nodes <= NODES && needs.cells <= WORDS && needs.slots <= WORDS
+        needs.refs <= REFS && needs.nodes <= NODES && needs.cells <= WORDS && needs.slots <= WORDS
     }
 }
 

@@ -55,6 +55,21 @@ impl<'a> Input<'a> {
         self.mesh.get(number, self.local).unwrap_or((0, Primitive::Triangle(Triangle { v: [[0.0; 3]; 3] })))
     }
 
+    /// How many cells of a grid each primitive has a part in, summed up; `None` from `limit` on, without counting further.
+    pub fn count_listings(&self, shape: &Shape, limit: u32) -> Option<u32> {
+        let mut listed = 0;
+        for number in 0..self.len {
+            let prim = self.prim(number);
+            shape
+                .touched(&prim.bounds(), |_, _, bounds| {
+                    listed += u32::from(prim.overlaps(bounds));
+                    if listed < limit { Ok(()) } else { Err(()) }
+                })
+                .ok()?;
+        }
+        Some(listed)
+    }
+
     /// Calls `each` with every cell of a grid and every primitive that has a part in it, primitive by primitive.
     pub fn listings(&self, shape: &Shape, mut each: impl FnMut(u32, u32)) {
         for number in 0..self.len {

@@ -93,9 +93,8 @@ impl Plan {
     pub(crate) fn of(input: &Input<'_>, cells: [u32; 3], most: u32) -> Result<Self, BuildError> {
         let shape = shape(&input.bounds, cells);
         let total = shape.len().filter(|&n| n < most).ok_or(BuildError::TooLarge)?;
-        let mut listed = 0u32;
-        input.listings(&shape, |_, _| listed = listed.saturating_add(1));
-        if listed >= 1 << 28 { Err(BuildError::TooLarge) } else { Ok(Self { shape, cells: total, listed }) }
+        let listed = input.count_listings(&shape, 1 << 28).ok_or(BuildError::TooLarge)?;
+        Ok(Self { shape, cells: total, listed })
     }
 
     /// Words of [`crate::build::Arena::cells`].
