@@ -2,7 +2,7 @@
 //!
 //! `Seed` halves the box along x, y, z in turn until a leaf has at most [`Config::leaf`] primitives; where that helps
 //! nothing it tries the other axes, and where none helps it goes on only while one half is empty, a few times. `Sah`
-//! takes the plane of least expected cost ([`sah`]) and ends where that costs no less than a leaf; going on for one or
+//! takes the plane of least expected cost (`sah`) and ends where that costs no less than a leaf; going on for one or
 //! two splits more made blobs larger and walks slower on the meshes tried. Both end at a depth
 //! limit, and where the memory that [`Needs`] names would not do: each node has a share of it in proportion
 //! to its list, so a million primitives in one place take no more than their own.
