@@ -33,8 +33,8 @@ impl View<'_> {
     ///
     /// # Errors
     /// [`Stop`] if the meter runs out or the bytes contradict themselves.
-    #[cfg_attr(feature = "std", inline(never))]
-    #[cfg_attr(not(feature = "std"), inline)]
+    // Out of line everywhere: a query has one function for all structures, whose stack would be that of the deepest.
+    #[inline(never)]
     pub fn walk<const ANY: bool>(
         &self,
         prims: &Prims<'_>,
