@@ -105,8 +105,8 @@ impl<'a> View<'a> {
         let header = blob.header();
         let broken = BlobError::new(Rule::Lattice, Section::NestedGrids).found(view.len());
         let Some((top, last)) = grids.first().zip(grids.last()) else {
-            // No grid is one of no primitives, and then there is no cell either.
-            let empty = words.is_empty() && header.prims == 0;
+            // No grid is one of no primitives, and then there is no cell and no list either.
+            let empty = words.is_empty() && view.slots.is_empty() && header.prims == 0;
             return if empty { Ok(view) } else { Err(broken) };
         };
         let needed = last.shape().len().and_then(|n| last.first.checked_add(n)).unwrap_or(u32::MAX);
