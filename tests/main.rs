@@ -22,6 +22,7 @@ mod spd;
 mod agree;
 mod blobs;
 mod bsp;
+mod builds;
 mod cli;
 mod common;
 mod dda;
