@@ -28,7 +28,7 @@ const SEED_LEFT: usize = 2;
 /// Cells that the seed's rule parts a cell into at least: two along each axis.
 const SEED_CELLS: f32 = 8.0;
 /// References for each one in the list that it replaces, that a grid of the seed's rule may take.
-const MOST_GROWTH: f32 = 4.0;
+const MOST_GROWTH: usize = 4;
 /// How the grid over the scene is chosen: finer ones saved few tests for many steps.
 const TOP: Choice = Choice { densities: &[1.0, 2.0], ..Choice::SAH };
 /// Cells a primitive of the grids in cells that are tried.
@@ -108,7 +108,7 @@ pub fn build<'p>(
     let Some((head, starts)) = words.split_at_mut_checked(plan.grids() * GRID_WORDS) else { return Parts::default() };
     let (rule, grids, listed) = (plan.rule, bytemuck::cast_slice_mut(head), slots);
     let mut work = Work { rule, grids, starts, listed, grid_count: 0, cell_count: 0, listed_count: 0 };
-    if plan.prims == 0 || work.append(input, &plan.top.shape, 0, None, |_, _| true).is_none() {
+    if plan.prims == 0 || work.append(input, &plan.top.shape, 0, None, usize::MAX, |_, _| true).is_none() {
         return Parts::default();
     }
     let stack = work.divide_all(input);
@@ -163,65 +163,47 @@ impl Work<'_> {
             return None;
         }
         let shape = choose(rule, input, list, bounds)?;
+        let most = if rule == Rule::Seed { n * MOST_GROWTH } else { usize::MAX };
         let keep = |listed: u32, longest: u32| {
-            let pays = match rule {
-                Rule::Seed => float(listed) <= weight(n) * MOST_GROWTH,
-                Rule::Sah => cost(&shape, bounds, float(listed)) < weight(n),
-            };
+            let pays = rule == Rule::Seed || cost(&shape, bounds, float(listed)) < weight(n);
             pays && index(longest) < n
         };
-        self.append(input, &shape, cell, Some(&(index(first)..index(last), bounds)), keep)
+        self.append(input, &shape, cell, Some(&(index(first)..index(last), bounds)), most, keep)
     }
 
     /// Adds a grid for all primitives, or for those of a list in the box of a cell. `None`, and nothing added, if there
-    /// is no room or `keep` does not like its number of references and its longest list.
+    /// is no room, there are more than `most` references, or `keep` does not like their number and the longest list's.
     fn append(
         &mut self,
         input: &Input<'_>,
         shape: &Shape,
         cell: u32,
         source: Option<&(Range<usize>, &Aabb)>,
+        most: usize,
         keep: impl Fn(u32, u32) -> bool,
     ) -> Option<()> {
         let cells = index(shape.len()?);
         let starts = self.starts.get_mut(self.cell_count..)?.get_mut(..=cells)?;
         let (old, fresh) = self.listed.split_at_mut_checked(self.listed_count)?;
-        let list = |each: &mut dyn FnMut(u32, u32)| match source {
-            None => input.listings(shape, each),
+        let list = |each: Each<'_>| match source {
+            None => input.listings(shape, |cell, prim| {
+                each(cell, prim);
+            }),
             Some((range, bounds)) => listings(input, old.get(range.clone()).unwrap_or(&[]), shape, bounds, each),
         };
-        // Count, then sum up: each cell's entry becomes the start of its list, and filling moves it to the end.
         let base = count(self.listed_count);
-        starts.fill(0);
-        list(&mut |cell, _| {
-            if let Some(n) = starts.get_mut(index(cell)) {
-                *n += 1;
-            }
-        });
-        let longest = starts.iter().fold(0, |most, &n| n.max(most));
-        let mut end = base;
-        for start in starts.iter_mut() {
-            (*start, end) = (end, end + *start);
-        }
-        if index(end - base) > fresh.len() || !keep(end - base, longest) {
+        let listed =
+            count_lists(starts, count(most.min(fresh.len())), list).filter(|&(sum, longest)| keep(sum, longest));
+        let Some((sum, _)) = listed else {
             starts.fill(base);
             return None;
-        }
-        list(&mut |cell, prim| {
-            if let Some(next) = starts.get_mut(index(cell)) {
-                if let Some(place) = fresh.get_mut(index(*next - base)) {
-                    *place = prim;
-                }
-                *next += 1;
-            }
-        });
-        starts.copy_within(..cells, 1);
-        *starts.first_mut()? = base;
+        };
+        fill_lists(starts, base, fresh, list);
         let first = count(self.cell_count);
         *self.grids.get_mut(self.grid_count)? = Grid { lattice: shape.lattice, cells: shape.cells, first, lists: cell };
         self.grid_count += 1;
         self.cell_count += cells;
-        self.listed_count = index(end);
+        self.listed_count += index(sum);
         Some(())
     }
 
@@ -247,18 +229,56 @@ impl Work<'_> {
     }
 }
 
-/// Calls `each` with every cell of a grid in a cell and every primitive of its list that has a part in it.
-fn listings(input: &Input<'_>, list: &[u32], shape: &Shape, around: &Aabb, each: &mut dyn FnMut(u32, u32)) {
+/// Told of a cell and a primitive in it; says whether to go on.
+type Each<'e> = &'e mut dyn FnMut(u32, u32) -> bool;
+
+/// Counts the list of each cell: how many references there are, and how long the longest list is. `None` beyond `most`:
+/// where every primitive touches every cell, counting to the end would take as long as both numbers multiplied.
+fn count_lists(starts: &mut [u32], most: u32, list: impl Fn(Each<'_>)) -> Option<(u32, u32)> {
+    starts.fill(0);
+    let mut sum = 0;
+    list(&mut |cell, _| {
+        if let Some(n) = starts.get_mut(index(cell)) {
+            *n += 1;
+        }
+        sum += 1;
+        sum <= most
+    });
+    (sum <= most).then(|| (sum, starts.iter().fold(0, |longest, &n| n.max(longest))))
+}
+
+/// Turns counts into where lists start, from `base`, and writes the lists: each cell's entry becomes the start of its
+/// list, and filling moves it to the end.
+fn fill_lists(starts: &mut [u32], base: u32, listed: &mut [u32], list: impl Fn(Each<'_>)) {
+    let mut end = base;
+    for start in starts.iter_mut() {
+        (*start, end) = (end, end + *start);
+    }
+    list(&mut |cell, prim| {
+        if let Some(next) = starts.get_mut(index(cell)) {
+            if let Some(place) = listed.get_mut(index(*next - base)) {
+                *place = prim;
+            }
+            *next += 1;
+        }
+        true
+    });
+    starts.copy_within(..starts.len() - 1, 1);
+    if let Some(first) = starts.first_mut() {
+        *first = base;
+    }
+}
+
+/// Calls `each` with every cell of a grid in a cell and every primitive of its list that has a part in it, for as long
+/// as it wants.
+fn listings(input: &Input<'_>, list: &[u32], shape: &Shape, around: &Aabb, each: Each<'_>) {
     for &number in list {
         let prim = input.prim(number);
         let listed = shape.touched(&View::cut(&prim.bounds(), around), |_, cell, bounds| {
-            if prim.overlaps(bounds) {
-                each(cell, number);
-            }
-            Ok::<(), core::convert::Infallible>(())
+            if !prim.overlaps(bounds) || each(cell, number) { Ok(()) } else { Err(()) }
         });
-        match listed {
-            Ok(()) => {}
+        if listed.is_err() {
+            return;
         }
     }
 }
