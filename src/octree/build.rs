@@ -89,18 +89,9 @@ pub fn build<'p>(
         *slot = count(i);
     }
     let all = top..slots.len();
-    let mut builder = Builder {
-        input,
-        config,
-        lattice: shape.lattice,
-        refs,
-        tables,
-        slots,
-        nodes: 0,
-        lists: 0,
-        listed: 0,
-        deepest: 0,
-    };
+    let lattice = shape.lattice;
+    let mut builder =
+        Builder { input, config, lattice, refs, tables, slots, nodes: 0, lists: 0, listed: 0, deepest: 0 };
     let root = Cell::root(&shape);
     if plan.shape.is_some() && builder.pays(&all, &root, plan.budget) {
         builder.nodes = 1;
@@ -108,20 +99,7 @@ pub fn build<'p>(
     } else {
         builder.emit(all);
     }
-    let Builder { nodes, lists, listed, deepest, refs, tables, slots, .. } = builder;
-    let (nodes, rest) = tables.split_at_mut(nodes * NODE_WORDS);
-    // The starts stand at the end, the last one first.
-    let starts = rest.split_at_mut(rest.len() - lists - 1).1;
-    starts.reverse();
-    let (slots, _) = slots.split_at_mut(listed);
-    let order = number_slots(starts, slots, refs);
-    let steps = count(nodes.len() / NODE_WORDS + lists + listed);
-    let mut parts = Parts::new(order, deepest, steps);
-    parts.push(Section::GridShape, if nodes.is_empty() { &[] } else { head }, SHAPE_WORDS);
-    parts.push(Section::CellStarts, starts, 1);
-    parts.push(Section::CellLists, slots, 1);
-    parts.push(Section::OctreeNodes, nodes, NODE_WORDS);
-    parts
+    builder.parts(head)
 }
 
 struct Builder<'b, 'p> {
@@ -140,7 +118,25 @@ struct Builder<'b, 'p> {
     deepest: u32,
 }
 
-impl Builder<'_, '_> {
+impl<'p> Builder<'_, 'p> {
+    /// What was built, as sections; `shape` is that of the lattice.
+    fn parts(self, shape: &'p [u32]) -> Parts<'p> {
+        let Self { nodes, lists, listed, deepest, refs, tables, slots, .. } = self;
+        let (nodes, rest) = tables.split_at_mut(nodes * NODE_WORDS);
+        // The starts stand at the end, the last one first.
+        let starts = rest.split_at_mut(rest.len() - lists - 1).1;
+        starts.reverse();
+        let (slots, _) = slots.split_at_mut(listed);
+        let order = number_slots(starts, slots, refs);
+        let steps = count(nodes.len() / NODE_WORDS + lists + listed);
+        let mut parts = Parts::new(order, deepest, steps);
+        parts.push(Section::GridShape, if nodes.is_empty() { &[] } else { shape }, SHAPE_WORDS);
+        parts.push(Section::CellStarts, starts, 1);
+        parts.push(Section::CellLists, slots, 1);
+        parts.push(Section::OctreeNodes, nodes, NODE_WORDS);
+        parts
+    }
+
     /// Splits node `number`, whose list is the lowest of those still to be split, and then its children.
     fn node(&mut self, number: usize, list: Range<usize>, cell: &Cell, budget: u32, level: u32) {
         self.deepest = self.deepest.max(level);

@@ -46,6 +46,42 @@ struct Axis {
 }
 
 impl Axis {
+    /// The planes of axis `k`, from the first that the ray meets, at plane `plane`; no cell so far.
+    #[inline(always)]
+    fn new(ray: &Prepared, lattice: &Lattice, k: usize, (plane, up): (f32, f32)) -> Self {
+        Self {
+            enter: f32::INFINITY,
+            leave: f32::INFINITY,
+            plane,
+            up,
+            left: 0,
+            min: lattice.min[k],
+            cell: lattice.cell[k],
+            near_origin: ray.near_origin[k],
+            far_origin: ray.far_origin[k],
+            inv: ray.inv[k],
+        }
+    }
+
+    /// The first and last of `n` cells at distance `enter`, where the first is about `low`. In the ray's order, plane
+    /// `q` lies before cell `q`.
+    #[inline(always)]
+    fn span(&self, mut low: u32, n: u32, enter: f32) -> (u32, u32) {
+        let plane = |q: u32| self.plane + self.up * float(q);
+        // The guess may be off by what rounding does; the planes themselves decide.
+        while low > 0 && !(self.far(plane(low)) < enter) {
+            low -= 1;
+        }
+        while low + 1 < n && self.far(plane(low + 1)) < enter {
+            low += 1;
+        }
+        let mut high = low;
+        while high + 1 < n && !(self.near(plane(high + 1)) > enter) {
+            high += 1;
+        }
+        (low, high)
+    }
+
     /// The distance at which plane `i` is entered, as the slab test says.
     #[inline(always)]
     fn near(&self, i: f32) -> f32 {
@@ -146,39 +182,13 @@ impl Dda {
     ) -> (Axis, u32, u32) {
         let down = ray.negative[k];
         let (base, up) = if down { (float(last), -1.0) } else { (float(first), 1.0) };
-        let (near_origin, far_origin, inv) = (ray.near_origin[k], ray.far_origin[k], ray.inv[k]);
-        let (min, cell) = (lattice.min[k], lattice.cell[k]);
-        let mut axis = Axis {
-            enter: f32::INFINITY,
-            leave: f32::INFINITY,
-            plane: base,
-            up,
-            left: 0,
-            min,
-            cell,
-            near_origin,
-            far_origin,
-            inv,
-        };
-        // In the ray's order, plane `q` lies before cell `q`.
-        let plane = |q: u32| base + up * float(q);
+        let mut axis = Axis::new(ray, lattice, k, (base, up));
         let n = last.saturating_sub(first).max(1);
-        let cells = (x - min) / cell;
+        let cells = (x - axis.min) / axis.cell;
         let inside = if down { float(last) - cells } else { cells - float(first) };
-        let mut low = floor(least(most(inside, 0.0), float(n - 1)));
-        // The guess may be off by what rounding does; the planes themselves decide.
-        while low > 0 && !(axis.far(plane(low)) < enter) {
-            low -= 1;
-        }
-        while low + 1 < n && axis.far(plane(low + 1)) < enter {
-            low += 1;
-        }
-        let mut high = low;
-        while high + 1 < n && !(axis.near(plane(high + 1)) > enter) {
-            high += 1;
-        }
+        let (low, high) = axis.span(floor(least(most(inside, 0.0), float(n - 1))), n, enter);
         axis.left = n - 1 - high;
-        axis.plane = plane(high + 1);
+        axis.plane = base + up * float(high + 1);
         axis.leave = axis.far(axis.plane);
         if axis.left > 0 {
             axis.enter = axis.near(axis.plane);
