@@ -33,8 +33,8 @@ enum Structure<'a> {
 
 /// A scene read in place: it borrows the blob, owns nothing, and can be copied.
 ///
-/// Queries never panic, never allocate, and stop within as many steps as there are nodes and primitives, whatever the ray
-/// and whatever the bytes.
+/// Queries never panic, never allocate, and stop within as many steps as [`Scene::limits`] says, whatever the ray and
+/// whatever the bytes.
 ///
 /// ```
 /// # #[cfg(feature = "alloc")] {
@@ -218,6 +218,8 @@ impl<'a> Scene<'a> {
     }
 
     /// [`Scene::closest_hit`] with a meter and a mailbox of the caller's: for those who count or draw.
+    ///
+    /// The meter alone bounds the walk. One that always pays may never end on a blob that was not checked.
     ///
     /// # Errors
     /// [`Stop`], as the meter and the bytes will have it.

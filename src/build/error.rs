@@ -45,7 +45,8 @@ pub enum BuildError {
         /// Its number.
         prim: u32,
     },
-    /// There are 2^28 primitives or more, or the blob would be 4 GiB or longer.
+    /// There are 2^28 primitives or more, or the blob would be 4 GiB or longer; or a grid of the resolution asked for would
+    /// have 2^28 cells or references or more (of voxels, 2^32 cells; with [`Rule::Seed`](super::Rule::Seed) 2^31).
     TooLarge,
     /// The leaf size is not from 1 to 15.
     Leaf {
@@ -81,7 +82,9 @@ impl fmt::Display for BuildError {
                 f,
                 "primitive {prim} is not one: a number that is NaN, infinite or too large, a negative radius, or min > max"
             ),
-            Self::TooLarge => f.write_str("too large: a blob holds fewer than 2^28 primitives and 2^32 bytes"),
+            Self::TooLarge => f.write_str(
+                "too large: a blob holds fewer than 2^28 primitives, cells of a grid and references, and 2^32 bytes",
+            ),
             Self::Leaf { found } => write!(f, "a leaf of {found} primitives: 1 to 15 are possible"),
             Self::Cells { found } => write!(f, "{found} cells along the longest side: up to 1024 are possible"),
             Self::Local => f.write_str("the local origin is not finite"),
