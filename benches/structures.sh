@@ -13,18 +13,21 @@ page=$root/docs/structures.md
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 
-"$flashray" compare spd:teapot:3 --leaf 4 --slice y --at 0.49 --rays 16 --rounds 1 -o "$work" >/dev/null
+"$flashray" compare spd:teapot:3 --slice y --at 0.49 --rays 16 --rounds 1 -o "$work" >/dev/null
 mkdir -p "$root/docs/img/slices"
 cp "$work"/*.svg "$root/docs/img/slices/"
 [ "${PICTURES:-}" = only ] && exit
 
 [ $# -gt 0 ] || set -- spd:teapot spd:balls spd:lattice spd:shells:3
+# What the columns mean, once: it is the paragraph that begins with "bytes: ".
+for input in "$@"; do
+  "$flashray" compare "$input" --rounds "${ROUNDS:-9}" --rays "${RAYS:-50000}" >"$work/one"
+  awk '/^bytes: / { exit } { print }' "$work/one"
+done >"$work/all"
 {
   echo '```text'
-  for input in "$@"; do
-    "$flashray" compare "$input" --rounds "${ROUNDS:-9}" --rays "${RAYS:-50000}"
-    echo
-  done
+  cat "$work/all"
+  awk '/^bytes: / { on = 1 } on { print }' "$work/one"
   echo '```'
 } >"$work/tables"
 # What stands between the two marks makes place for what was measured.

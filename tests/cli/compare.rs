@@ -30,8 +30,12 @@ fn assert_whole(facts: &Value, scene: &str, primitives: u64) {
             ["primitive_bytes", "node_bytes", "reference_bytes"].iter().filter_map(|k| row[k].as_u64()).sum();
         let sections: u64 = row["sections"].as_object().expect("sections").values().filter_map(Value::as_u64).sum();
         assert!(parts == sections && parts < row["bytes"].as_u64().unwrap_or(0), "{row}");
+        // Who parts space says what lies where.
+        let lists = !matches!(row["kind"].as_str(), Some("list" | "bvh" | "sphere"));
+        assert_eq!(row["reference_bytes"].as_u64().is_some_and(|n| n > 0), lists, "{row}");
         for kind in ["camera", "diffuse", "shadow", "chord"] {
             positive(row, &format!("/mrays_per_second/{kind}"));
+            positive(row, &format!("/mrays_per_second_in_groups/{kind}"));
             positive(row, &format!("/over_list/{kind}"));
             if kind != "shadow" {
                 for count in ["steps_per_ray", "tests_per_ray", "spared_per_ray"] {
@@ -70,11 +74,15 @@ fn the_table_names_every_structure() {
     for (name, rule) in expected() {
         let label = format!("{name} {}", rule.unwrap_or("")).trim_end().to_owned();
         let rows: Vec<&str> = table.lines().filter(|line| line.starts_with(&format!("{label} "))).collect();
-        assert!(rows.len() == 2 && rows[1].trim_end().ends_with(" 0"), "{label}: {table}");
+        assert!(rows.len() == 3 && rows[1].ends_with(" 0"), "{label}: {table}");
     }
-    let costs = table.lines().skip_while(|line| !line.ends_with("wrong")).take_while(|line| !line.is_empty());
-    let widths: BTreeSet<usize> = costs.map(str::len).collect();
-    assert_eq!(widths.len(), 1, "{table}");
+    for title in ["What is built", "Work per ray", "Speed on one thread"] {
+        let lines = table.lines().skip_while(|line| *line != title).skip(1).take_while(|line| !line.is_empty());
+        let widths: Vec<usize> = lines.map(str::len).collect();
+        assert_eq!(widths.len(), expected().len() + 2, "{title}: {table}");
+        assert!(widths.iter().all(|&width| width == widths[0] && width < 140), "{title}: {table}");
+    }
+    assert!(table.lines().all(|line| line.len() < 140), "{table}");
 }
 
 #[test]
@@ -102,6 +110,12 @@ fn the_page_and_the_pictures_are_written_whole() {
                 assert_eq!(svg.matches(&opened).count(), svg.matches(&closed).count(), "{tag} in {file} of {scene}");
             }
             assert!(!svg.contains("NaN") && !svg.contains("inf "), "{file} of {scene}");
+            // What it is, what the ray does, and what the marks mean.
+            let said = ["Cut at ", " the ray tests ", "node or cell", "looked into", "Numbers: "];
+            assert!(said.iter().all(|text| svg.contains(text)), "{file} of {scene}");
+            let (first, none) = (svg.contains(">1<") || svg.contains(">1-"), svg.contains(", in 0 steps"));
+            assert!(first != none && (none || name != "list"), "a first step in {file} of {scene}");
+            assert!(name != "sphere" || svg.contains("0 1 0"), "spheres are circles: {file} of {scene}");
             assert!(page.contains(svg.trim_end()), "{file} is not in the page of {scene}");
             names.insert(file);
         }
@@ -110,6 +124,36 @@ fn the_page_and_the_pictures_are_written_whole() {
             found.map(|e| e.expect("an entry").file_name().to_string_lossy().into()).collect();
         assert_eq!(found, names);
     }
+}
+
+#[test]
+fn the_page_has_tables_and_plots_with_axes() {
+    let folder = Folder::with_cube("compare-plots");
+    folder.ok("compare cube.obj -o page --rays 64 --rounds 1");
+    let page = super::text(&folder.get("page/index.html"));
+    assert_eq!(page.matches("<table>").count(), 3);
+    assert_eq!(page.matches("class=\"chart\"").count(), 4);
+    for unit in
+        ["millions of rays a second", "bytes per primitive", "nodes and cells visited per ray", "primitives tested"]
+    {
+        assert!(page.contains(&format!(">{unit}")), "no axis tells of {unit}");
+    }
+}
+
+#[test]
+fn pictures_are_as_large_as_what_is_in_them() {
+    let folder = Folder::new("compare-crop");
+    folder.ok("compare spd:teapot:2 --slice y -o page --rays 64 --rounds 1");
+    let sides = |file: &str| -> [f64; 2] {
+        let svg = super::text(&folder.get(&format!("page/{file}.svg")));
+        ["width", "height"].map(|side| {
+            let number = svg.split(&format!(" {side}=\"")).nth(1).and_then(|rest| rest.split('"').next());
+            number.and_then(|n| n.parse().ok()).expect("a number")
+        })
+    };
+    let ([wide, low], [same, high]) = (sides("bvh-sah"), sides("octree-seed"));
+    // The teapot is flat; an octree's cube is as high as it is wide.
+    assert!(low < wide * 0.7 && wide == same && high > wide, "{low} {wide} {same} {high}");
 }
 
 #[test]
@@ -131,10 +175,18 @@ fn what_can_not_be_compared_is_said_in_a_line() {
     folder.put("bad.obj", "v 1 2\n");
     folder.fails("compare nosuch.obj", &["flashray: nosuch.obj: no such file"]);
     folder.fails("compare bad.obj", &["flashray: bad.obj: "]);
+    folder.put("empty.obj", "");
+    folder.fails("compare empty.obj", &["flashray: empty.obj: "]);
+    // No folder is made for what can not be read.
+    folder.fails("compare nosuch.obj -o page", &["flashray: nosuch.obj: no such file"]);
+    folder.fails("compare bad.obj -o page", &["flashray: bad.obj: "]);
+    folder.fails("compare empty.obj -o page", &["flashray: empty.obj: "]);
+    assert!(!folder.path("page").exists());
     folder.fails("compare spd:nosuch", &["flashray: spd:nosuch: no such scene"]);
     folder.fails("compare spd:balls:99", &["flashray: spd:balls:99: size must be"]);
-    folder.fails("compare cube.obj --rays 16 --rounds 1 -o cube.obj", &["flashray: cube.obj: "]);
+    folder.fails("compare cube.obj --rays 16 --rounds 1 -o cube.obj", &["flashray: cube.obj: is not a folder"]);
     folder.fails("compare cube.obj --rays 16 --rounds 1 -o cube.fray/deep", &["flashray: cube.fray/deep: "]);
     std::fs::create_dir_all(folder.path("taken/index.html")).expect("a folder");
     folder.fails("compare cube.obj --rays 16 --rounds 1 -o taken", &["taken/index.html: is a directory"]);
+    assert_eq!(std::fs::read_dir(folder.path("taken")).expect("a folder").count(), 1, "nothing else is written");
 }

@@ -18,6 +18,8 @@ use std::time::Instant;
 const TRUTH_TESTS: usize = 200_000_000;
 /// Tests that the list may spend on a pass when it is timed.
 const TIMED_TESTS: usize = 4_000_000;
+/// Rays of a group.
+pub const GROUP: usize = 64;
 
 /// Every structure with both rules; the list, which has none, once.
 pub fn build_all(args: &Args, mesh: &Mesh<'_>, bar: &ProgressBar) -> Result<Vec<Built>, Failure> {
@@ -50,7 +52,7 @@ pub fn facts(built: &Built, scene: &Scene<'_>, check_seconds: f64) -> Result<Val
     let sum = |which: &dyn Fn(u32) -> bool| -> u64 {
         blob.entries().iter().filter(|e| which(e.section)).map(|e| u64::from(e.length)).sum()
     };
-    let lists = Section::CellLists.number();
+    let lists = |s: u32| s == Section::CellLists.number() || s == Section::VoxelLists.number();
     let first = Section::BvhNodes.number();
     let (shape, limits, prims) = (Shape::new(scene), scene.limits(), f64::from(scene.len().max(1)));
     Ok(json!({
@@ -58,8 +60,8 @@ pub fn facts(built: &Built, scene: &Scene<'_>, check_seconds: f64) -> Result<Val
         "build_seconds": built.seconds, "check_seconds": check_seconds,
         "bytes": built.blob.len(), "bytes_per_primitive": built.blob.len() as f64 / prims,
         "primitive_bytes": sum(&|s| s < first),
-        "node_bytes": sum(&|s| s >= first && s != lists),
-        "reference_bytes": sum(&|s| s == lists),
+        "node_bytes": sum(&|s| s >= first && !lists(s)),
+        "reference_bytes": sum(&lists),
         "sections": sections,
         "nodes": shape.nodes, "leaves": shape.leaves, "depth": shape.depth,
         "references_per_primitive": shape.listed as f64 / prims, "sah_cost": shape.sah_cost,
@@ -136,42 +138,53 @@ pub fn count(facts: &mut Value, scene: &Scene<'_>, rays: &Rays) {
     }
 }
 
-/// Adds millions of rays a second for each kind, on one thread: medians of rounds, in each of which all structures
-/// take their turn, so that whatever else the machine does meets all alike.
+/// Adds millions of rays a second for each kind, one by one and in groups, on one thread: medians of rounds, in each of
+/// which all structures take their turn, so that whatever else the machine does meets all alike.
 pub fn time(rows: &mut [Value], scenes: &[Scene<'_>], rays: &Rays, rounds: usize, bar: &ProgressBar) {
-    let mut rates = vec![[const { Vec::new() }; 4]; scenes.len()];
+    let mut rates = vec![[const { [const { Vec::new() }; 4] }; 2]; scenes.len()];
     for _ in 0..rounds {
         for (scene, rates) in scenes.iter().zip(&mut rates) {
-            for (kind, rate) in rates.iter_mut().enumerate() {
-                rate.extend(pass(scene, &rays.kinds[kind], kind == SHADOW));
+            for (kind, rays) in rays.kinds.iter().enumerate() {
+                let rays = sample(scene, rays);
+                for (group, rates) in [1, GROUP].into_iter().zip(rates.iter_mut()) {
+                    rates[kind].extend(pass(scene, &rays, kind == SHADOW, group));
+                }
             }
             bar.inc(1);
         }
     }
-    let speeds: Vec<[Option<f64>; 4]> =
-        rates.into_iter().map(|kinds| kinds.map(|mut rates| (!rates.is_empty()).then(|| median(&mut rates)))).collect();
-    let list = scenes.iter().position(|scene| scene.kind() == Kind::List).map_or([None; 4], |i| speeds[i]);
-    for (row, speeds) in rows.iter_mut().zip(&speeds) {
-        for ((name, speed), slow) in KINDS.iter().zip(speeds).zip(list) {
-            row["mrays_per_second"][name] = json!(speed);
-            row["over_list"][name] = json!(speed.zip(slow).map(|(fast, slow)| fast / slow));
+    let speed = |mut rates: Vec<f64>| (!rates.is_empty()).then(|| median(&mut rates));
+    let speeds: Vec<[[Option<f64>; 4]; 2]> = rates.into_iter().map(|ways| ways.map(|kinds| kinds.map(speed))).collect();
+    let list = scenes.iter().position(|scene| scene.kind() == Kind::List).map_or([None; 4], |i| speeds[i][0]);
+    for (row, [single, grouped]) in rows.iter_mut().zip(&speeds) {
+        for (i, name) in KINDS.iter().enumerate() {
+            row["mrays_per_second"][name] = json!(single[i]);
+            row["mrays_per_second_in_groups"][name] = json!(grouped[i]);
+            row["over_list"][name] = json!(single[i].zip(list[i]).map(|(fast, slow)| fast / slow));
         }
     }
 }
 
-/// Millions of rays a second of one pass; the list takes a sample.
-fn pass(scene: &Scene<'_>, rays: &[Ray], any: bool) -> Option<f64> {
+/// The rays of a pass: all of them, or for the list a sample.
+fn sample(scene: &Scene<'_>, rays: &[Ray]) -> Vec<Ray> {
     let all = rays.len().max(1);
     let fair = (TIMED_TESTS / (scene.len() as usize).max(1)).clamp(16, all.max(16));
     let every = if scene.kind() == Kind::List { all.div_ceil(fair) } else { 1 };
+    rays.iter().step_by(every).copied().collect()
+}
+
+/// Millions of rays a second of one pass, with so many rays in a call.
+fn pass(scene: &Scene<'_>, rays: &[Ray], any: bool, group: usize) -> Option<f64> {
+    let (mut hits, mut shadows) = (vec![None; group], vec![false; group]);
     let start = Instant::now();
-    if any {
-        rays.iter().step_by(every).for_each(|ray| _ = black_box(scene.any_hit(black_box(ray))));
-    } else {
-        rays.iter().step_by(every).for_each(|ray| _ = black_box(scene.closest_hit(black_box(ray))));
+    match (group, any) {
+        (1, true) => rays.iter().for_each(|ray| _ = black_box(scene.any_hit(black_box(ray)))),
+        (1, false) => rays.iter().for_each(|ray| _ = black_box(scene.closest_hit(black_box(ray)))),
+        (_, true) => rays.chunks(group).for_each(|rays| scene.any_hits(black_box(rays), black_box(&mut shadows))),
+        (_, false) => rays.chunks(group).for_each(|rays| scene.closest_hits(black_box(rays), black_box(&mut hits))),
     }
     let seconds = start.elapsed().as_secs_f64();
-    (!rays.is_empty()).then(|| super::super::millions_per_second(rays.len().div_ceil(every), seconds))
+    (!rays.is_empty()).then(|| super::super::millions_per_second(rays.len(), seconds))
 }
 
 /// The middle one of some numbers, the lower of two.

@@ -77,9 +77,6 @@ impl Built {
 }
 
 pub fn run(args: &Args) -> Result<(), Failure> {
-    if let Some(folder) = &args.output {
-        std::fs::create_dir_all(folder).map_err(|e| file::failure(folder, &e))?;
-    }
     let input = Input::read(&args.input)?;
     let steps = flashray::blob::KINDS.len() as u64 * 2 - 1;
     let bar = super::progress("comparing", steps * (u64::from(args.rounds) + 2));
@@ -90,6 +87,13 @@ pub fn run(args: &Args) -> Result<(), Failure> {
         let scene = Scene::from_bytes(&built.blob).map_err(|e| format!("{}: {}: {e}", args.input, built.name()))?;
         rows.push(measure::facts(built, &scene, start.elapsed().as_secs_f64())?);
         scenes.push(scene);
+    }
+    // Not before the input proved good, and not after all the work.
+    if let Some(folder) = &args.output {
+        if folder.exists() && !folder.is_dir() {
+            return Err(format!("{}: is not a folder", folder.display()));
+        }
+        std::fs::create_dir_all(folder).map_err(|e| file::failure(folder, &e))?;
     }
     let find = |kind| scenes.iter().rfind(|scene| scene.kind() == kind).ok_or("a structure is missing");
     let (list, bvh) = (find(Kind::List)?, find(Kind::Bvh)?);
@@ -134,9 +138,8 @@ fn write(
 ) -> Result<String, Failure> {
     let ray = trail::choose(reference, plane);
     let objects = objects::Objects::new(reference, plane);
-    let window = slice::window(scenes, plane);
     let draw = |(built, scene): (&Built, &Scene<'_>)| {
-        let picture = picture::draw(scene, plane, &window, &objects, &ray, built.rule);
+        let picture = picture::draw(scene, plane, &objects, &ray, built.rule);
         (built.name(), picture)
     };
     let pictures: Vec<(String, picture::Picture)> = built.iter().zip(scenes).map(draw).collect();

@@ -1,29 +1,31 @@
 //! A slice picture: objects, nodes and cells in a plane, and the way of one ray.
 use super::objects::Objects;
 use super::page::escaped;
-use super::slice::{self, Cell, MARGIN, Plane, Window};
+use super::slice::{self, Cell, MARGIN, Plane, Rect, Window};
 use super::trail::{Trail, Visit};
-use flashray::{Ray, Scene};
+use flashray::{Kind, Ray, Scene};
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 
 /// Most nodes and non-empty cells drawn.
 const MOST: usize = 6000;
-/// Of more visits than this only every fifth, tenth or so is numbered.
+/// Of more numbers than this only every second, third or so is written.
 const NUMBERS: usize = 40;
+/// How far on paper visits lie apart that have numbers of their own.
+const CLOSE: i32 = 130;
 /// Levels that look different.
 const LEVELS: u32 = 7;
 
 /// Colours and widths, for light and dark.
 const STYLE: &str = "<style>\
-    .fs .bg{fill:#fff}.fs text{font:110px system-ui,sans-serif;fill:#1b1f24}\
-    .fs .h{font-size:170px;font-weight:600}.fs .s{fill:#59636e}\
-    .fs .e{fill:none;stroke:#2f6db5}.fs .f{fill:#2f6db5}\
-    .fs .o{stroke-width:17;stroke-linecap:round;fill-opacity:.13}\
-    .fs .v{fill:#ffc400;fill-opacity:.32;stroke:#b07d00;stroke-width:14}\
-    .fs .r{fill:none;stroke:#d1242f;stroke-width:22}.fs .p{fill:#d1242f}.fs .w{stroke-dasharray:50 40;stroke-width:14}\
-    .fs .k{stroke:#59636e;stroke-width:5}\
-    .fs .n{font-size:105px;font-weight:700;text-anchor:middle;paint-order:stroke;stroke:#fff;stroke-width:34;\
+    .fs .bg{fill:#fff}.fs text{font:145px system-ui,sans-serif;fill:#1b1f24}\
+    .fs .h{font-size:210px;font-weight:600}.fs .s{fill:#59636e}\
+    .fs .e{fill:none;stroke:#2f6db5}.fs .f{fill:#2f6db5}.fs .b{fill:none;stroke:#8b949e;stroke-width:14}\
+    .fs .o{stroke-width:26;stroke-linecap:round;fill-opacity:.13}\
+    .fs .v{fill:#ffc400;fill-opacity:.6;stroke:#b07d00;stroke-width:18}.fs .q{fill-opacity:.1;stroke:#d29a00;stroke-width:28}\
+    .fs .r{fill:none;stroke:#d1242f;stroke-width:26}.fs .p{fill:#d1242f}.fs .w{stroke-dasharray:50 40;stroke-width:16}\
+    .fs .k{stroke:#59636e;stroke-width:7}\
+    .fs .n{font-size:150px;font-weight:700;text-anchor:middle;paint-order:stroke;stroke:#fff;stroke-width:40;\
     stroke-linejoin:round}.fs .i{fill:#0b4a99}\
     @media(prefers-color-scheme:dark){.fs .bg{fill:#14181d}.fs text{fill:#e6edf3}.fs .s{fill:#9aa4ae}\
     .fs .e{stroke:#6ea8ec}.fs .f{fill:#6ea8ec}.fs .v{stroke:#ffd84d}.fs .r{stroke:#ff6b6b}.fs .p{fill:#ff6b6b}\
@@ -40,89 +42,120 @@ pub struct Picture {
     pub structure: &'static str,
 }
 
+/// What a structure is, for those who never met it.
+const PLAIN: [(Kind, &str); 8] = [
+    (Kind::List, "No structure: every ray is tested against every primitive."),
+    (Kind::Bvh, "A tree of boxes, each just around its primitives: boxes overlap, and leave gaps."),
+    (Kind::Grid, "Space in equal cells. Each lists the primitives that reach into it."),
+    (Kind::Voxel, "The cells of a fine grid, but only those that hold something are stored."),
+    (Kind::Nested, "A grid of few cells; a crowded cell holds a grid of its own, and so on."),
+    (Kind::Octree, "A cube in eight equal cubes, each crowded one again: every cut is in the middle."),
+    (Kind::Bsp, "A box cut in two by a plane, each crowded part again: always two, side by side."),
+    (Kind::Sphere, "A tree of spheres, each around its primitives: spheres overlap."),
+];
+
 /// Draws a structure's slice.
-pub fn draw(
-    scene: &Scene<'_>,
-    plane: &Plane,
-    window: &Window,
-    objects: &Objects,
-    ray: &Ray,
-    rule: &'static str,
-) -> Picture {
+pub fn draw(scene: &Scene<'_>, plane: &Plane, objects: &Objects, ray: &Ray, rule: &'static str) -> Picture {
     let (cells, left_out) = slice::cells(scene, plane, MOST);
+    let round = scene.kind() == Kind::Sphere;
+    let window = Window::new(&cells, plane);
     let trail = Trail::new(scene, plane, ray);
     let structure = scene.kind().name();
-    let rule = match rule {
-        "" => "",
-        "seed" => ", textbook rule (seed)",
-        _ => ", surface-area rule (sah)",
+    let title = match rule {
+        "" => structure.to_owned(),
+        "seed" => format!("{structure}, textbook rule (seed)"),
+        _ => format!("{structure}, surface-area rule (sah)"),
     };
-    let caption = caption(scene, plane, &trail, left_out + objects.left_out);
-    let (width, height) = (window.width, window.height);
-    let title = format!("{structure}{rule}");
-    let mut svg = format!(
-        "<svg xmlns=\"http://www.w3.org/2000/svg\" class=\"fs\" viewBox=\"0 0 {width} {height}\" width=\"{}\" \
-         height=\"{}\" role=\"img\"><title>{}</title>{STYLE}<rect class=\"bg\" width=\"{width}\" height=\"{height}\"/>\n\
-         <text class=\"h\" x=\"{MARGIN}\" y=\"260\">{}</text>\n",
-        width / 10,
-        height / 10,
-        escaped(&title),
-        escaped(&title),
-    );
-    for (i, line) in caption.iter().enumerate() {
-        // Writing to a string does not fail, here and below.
-        let _ = writeln!(svg, "<text class=\"s\" x=\"{MARGIN}\" y=\"{}\">{}</text>", 430 + i * 140, escaped(line));
-    }
-    svg += &fills(&cells, window);
-    for visit in trail.visits.iter().filter(|visit| visit.leaf) {
-        let [left, top, right, bottom] = window.corners(&visit.rect);
-        let _ = writeln!(svg, "<path class=\"v\" d=\"M{left} {top}H{right}V{bottom}H{left}z\"/>");
-    }
-    svg += &outlines(&cells, window);
-    for (color, path) in objects.paths(window) {
+    let plain = PLAIN.iter().find(|(kind, _)| *kind == scene.kind()).map_or("", |(_, plain)| *plain);
+    let mut svg = frame(&window, &title);
+    svg += &(line("h", 270, &title) + &line("s", 500, plain) + &line("s", 670, &caption(scene, plane, &trail)));
+    svg += &fills(&cells, round, &window);
+    let searched = trail.visits.iter().flat_map(|visit| &visit.searched);
+    let searched: String = searched.map(|rect| outline(rect, round, &window)).collect();
+    // Writing to a string does not fail, here and below.
+    let class = if round { "v q" } else { "v" };
+    let _ = writeln!(svg, "<path class=\"{class}\" d=\"{searched}\"/>");
+    let _ = writeln!(svg, "<path class=\"b\" d=\"{}\"/>", outline(&plane.bounds, false, &window));
+    svg += &if round { circles(&cells, &window) } else { outlines(&cells, &window) };
+    for (color, path) in objects.paths(&window) {
         let color = PALETTE[color];
         let _ = writeln!(svg, "<path class=\"o\" stroke=\"{color}\" fill=\"{color}\" d=\"{path}\"/>");
     }
-    svg += &way(&trail, plane, window, ray);
-    svg += &legend(window);
+    svg += &way(&trail, plane, &window, ray);
+    svg += &legend(&window, left_out + objects.left_out);
     Picture { svg: svg + "</svg>\n", structure }
 }
 
-fn caption(scene: &Scene<'_>, plane: &Plane, trail: &Trail, left_out: usize) -> Vec<String> {
-    let plural = |n: usize, one: &str, many: &str| format!("{n} {}", if n == 1 { one } else { many });
-    let visits = match trail.visits.len() {
-        0 => "visits no node".to_owned(),
-        1 => "visits 1 node or cell".to_owned(),
-        n => match every(n) {
-            1 => format!("visits {n} nodes or cells (numbered in order)"),
-            every => format!("visits {n} nodes or cells (every {every}th numbered, in order)"),
-        },
-    };
-    let tests = plural(trail.tests as usize, "primitive", "primitives");
-    let hit = trail.hit.map_or_else(|| "no hit".to_owned(), |hit| format!("hits primitive {}", hit.prim));
-    let thin = if left_out > 0 { format!("; the {left_out} smallest pieces are not drawn") } else { String::new() };
-    let (axis, at) = (Plane::name(plane.axis), plane.at);
-    vec![
-        format!("{} primitives, cut at {axis} = {at:.4}{thin}", scene.len()),
-        format!("the ray {visits}, tests {tests}, {hit}"),
-    ]
+/// The paper.
+fn frame(window: &Window, title: &str) -> String {
+    let (width, height, title) = (window.width, window.height, escaped(title));
+    format!(
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" class=\"fs\" viewBox=\"0 0 {width} {height}\" width=\"{}\" \
+         height=\"{}\" role=\"img\"><title>{title}</title>{STYLE}<rect class=\"bg\" width=\"{width}\" \
+         height=\"{height}\"/>\n",
+        width / 10,
+        height / 10,
+    )
+}
+
+/// A line of text.
+fn line(class: &str, y: i32, text: &str) -> String {
+    format!("<text class=\"{class}\" x=\"{MARGIN}\" y=\"{y}\">{}</text>\n", escaped(text))
+}
+
+fn caption(scene: &Scene<'_>, plane: &Plane, trail: &Trail) -> String {
+    let steps = trail.visits.len();
+    let plural = if steps == 1 { "" } else { "s" };
+    let hit = trail.hit.map_or_else(|| "hits nothing".to_owned(), |hit| format!("hits number {}", hit.prim));
+    let (axis, all, tests) = (Plane::name(plane.axis), scene.len(), trail.tests);
+    let plain = plane.at == 0.0 || (0.01..1e6).contains(&plane.at.abs());
+    let at = if plain { format!("{:.3}", plane.at) } else { format!("{:.2e}", plane.at) };
+    format!("Cut at {axis} = {at}. Of {all} primitives the ray tests {tests}, in {steps} step{plural}, and {hit}.")
+}
+
+/// The path around a rectangle, or of the circle in it.
+fn outline(rect: &Rect, round: bool, window: &Window) -> String {
+    let [left, top, right, bottom] = window.corners(rect);
+    if round {
+        let (r, y) = (((right - left) / 2).max(1), i32::midpoint(top, bottom));
+        return format!("M{left} {y}a{r} {r} 0 1 0 {} 0a{r} {r} 0 1 0 {} 0z", 2 * r, -2 * r);
+    }
+    format!("M{left} {top}H{right}V{bottom}H{left}z")
 }
 
 /// A tint for cells and leaves that list something, darker where it is more.
-fn fills(cells: &[Cell], window: &Window) -> String {
+fn fills(cells: &[Cell], round: bool, window: &Window) -> String {
     let mut paths: BTreeMap<u32, String> = BTreeMap::new();
     for cell in cells {
         let listed = cell.listed.unwrap_or(0);
         if listed > 0 {
-            let [left, top, right, bottom] = window.corners(&cell.rect);
-            let path = paths.entry(listed.ilog2().min(4)).or_default();
-            let _ = write!(path, "M{left} {top}H{right}V{bottom}H{left}z");
+            *paths.entry(listed.ilog2().min(4)).or_default() += &outline(&cell.rect, round && cell.level > 0, window);
         }
     }
     let tint = |(shade, path): (u32, String)| {
         format!("<path class=\"f\" fill-opacity=\".{:02}\" d=\"{path}\"/>\n", 8 + 6 * shade)
     };
     paths.into_iter().map(tint).collect()
+}
+
+/// How wide the lines of a level are, and how strong.
+fn look(level: u32, count: usize) -> String {
+    let place = level as usize;
+    let thin = [(3000, 6), (800, 9), (150, 14)].into_iter().find(|&(n, _)| count > n).map_or(34, |(_, width)| width);
+    let width = [34, 28, 22, 18, 15, 12, 10, 8][place].min(thin);
+    format!("stroke-width=\"{width}\" stroke-opacity=\".{}\"", [99, 90, 80, 72, 65, 60, 55, 50][place])
+}
+
+/// The circles of each level, deep ones thinner.
+fn circles(cells: &[Cell], window: &Window) -> String {
+    let mut levels: BTreeMap<u32, (usize, String)> = BTreeMap::new();
+    for cell in cells {
+        let (count, path) = levels.entry(cell.level.min(LEVELS)).or_default();
+        *count += 1;
+        *path += &outline(&cell.rect, cell.level > 0, window);
+    }
+    let draw = |(level, (count, path))| format!("<path class=\"e\" {} d=\"{path}\"/>\n", look(level, count));
+    levels.into_iter().rev().map(draw).collect()
 }
 
 /// Where lines of one direction lie, and from where to where they run.
@@ -145,11 +178,6 @@ fn outlines(cells: &[Cell], window: &Window) -> String {
     }
     let mut svg = String::new();
     for (level, [lines, upright]) in levels.into_iter().rev() {
-        let (place, count) = (level as usize, counts[level as usize]);
-        let thin =
-            [(3000, 5), (800, 8), (150, 11)].into_iter().find(|&(n, _)| count > n).map_or(26, |(_, width)| width);
-        let width = [26, 20, 16, 13, 11, 9, 7, 6][place].min(thin);
-        let opacity = [100, 90, 80, 72, 65, 60, 55, 50][place];
         let mut path = String::new();
         for (y, runs) in lines {
             merged(runs).for_each(|[a, b]| _ = write!(path, "M{a} {y}H{b}"));
@@ -157,7 +185,7 @@ fn outlines(cells: &[Cell], window: &Window) -> String {
         for (x, runs) in upright {
             merged(runs).for_each(|[a, b]| _ = write!(path, "M{x} {a}V{b}"));
         }
-        let look = format!("stroke-width=\"{width}\" stroke-opacity=\"{:.2}\"", f64::from(opacity) / 100.0);
+        let look = look(level, counts[level as usize]);
         let _ = writeln!(svg, "<path class=\"e\" {look} d=\"{path}\"/>");
     }
     svg
@@ -184,57 +212,95 @@ fn way(trail: &Trail, plane: &Plane, window: &Window, ray: &Ray) -> String {
     let ([x, y], [u, v], [a, b]) = (at(0.0), at(stop), at(1.0));
     let mut svg = format!(
         "<path class=\"r w\" d=\"M{u} {v}L{a} {b}\"/>\n<path class=\"r\" d=\"M{x} {y}L{u} {v}\"/>\
-         <circle class=\"p\" cx=\"{x}\" cy=\"{y}\" r=\"40\"/>\n"
+         <circle class=\"p\" cx=\"{x}\" cy=\"{y}\" r=\"55\"/>\n"
     );
     svg += &numbers(&trail.visits, window, &at);
     if trail.hit.is_some() {
         let _ = writeln!(
             svg,
-            "<circle class=\"r\" cx=\"{u}\" cy=\"{v}\" r=\"75\"/><circle class=\"p\" cx=\"{u}\" cy=\"{v}\" r=\"32\"/>"
+            "<circle class=\"r\" cx=\"{u}\" cy=\"{v}\" r=\"100\"/><circle class=\"p\" cx=\"{u}\" cy=\"{v}\" r=\"45\"/>"
         );
     }
     svg
 }
 
-/// Which of so many visits are numbered.
-fn every(visits: usize) -> usize {
-    [1, 5, 10, 50, 100].into_iter().find(|every| visits / every <= NUMBERS).unwrap_or(1000)
+/// Visits with one number: from the first to the last, where on paper, and whether they look for primitives.
+struct Group {
+    first: usize,
+    last: usize,
+    at: [i32; 2],
+    search: bool,
 }
 
-/// Inner nodes are numbered above the ray where it enters them, others below it in their middle; a number that would
-/// lie on another moves away from the ray.
-fn numbers(visits: &[Visit], window: &Window, at: &impl Fn(f64) -> [i32; 2]) -> String {
-    let (mut svg, mut leaders, mut taken) = (String::new(), String::new(), Vec::<[i32; 2]>::new());
-    let every = every(visits.len());
-    for (i, visit) in visits.iter().enumerate().filter(|(i, _)| *i == 0 || (i + 1) % every == 0) {
+/// Visits in a row of one sort that begin close to each other share a number, such as 3-7.
+fn groups(visits: &[Visit], at: &impl Fn(f64) -> [i32; 2]) -> Vec<Group> {
+    let mut groups: Vec<Group> = Vec::new();
+    for (i, visit) in (1..).zip(visits) {
+        let search = !visit.searched.is_empty();
         let [near, far] = visit.span;
-        let [x, y] = at(if visit.leaf { f64::midpoint(near, far) } else { near });
-        let side = if visit.leaf { 1 } else { -1 };
-        let free = |p: &[i32; 2]| taken.iter().all(|q| (p[0] - q[0]).abs() >= 150 || (p[1] - q[1]).abs() >= 112);
-        let spots = (0..60).map(|k| [x, y + side * (115 + 112 * k)]);
+        let at = at(if search { f64::midpoint(near, far) } else { near });
+        match groups.last_mut() {
+            Some(group) if group.search == search && (0..2).all(|k| (group.at[k] - at[k]).abs() < CLOSE) => {
+                group.last = i;
+            }
+            _ => groups.push(Group { first: i, last: i, at, search }),
+        }
+    }
+    groups
+}
+
+/// Nodes passed on the way down are numbered above the ray where it enters them, those in which it looks for primitives
+/// below it in their middle; a number that would lie on another moves away from the ray.
+fn numbers(visits: &[Visit], window: &Window, at: &impl Fn(f64) -> [i32; 2]) -> String {
+    let (mut svg, mut leaders, mut taken) = (String::new(), String::new(), Vec::<([i32; 2], i32)>::new());
+    let groups = groups(visits, at);
+    for Group { first, last, at: [x, y], search } in groups.iter().step_by(groups.len().div_ceil(NUMBERS).max(1)) {
+        let text = if first == last { first.to_string() } else { format!("{first}-{last}") };
+        let wide = text.chars().fold(20, |wide, _| wide + 50);
+        let side = if *search { 1 } else { -1 };
+        let free = |p: &[i32; 2]| {
+            taken.iter().all(|(q, width)| (p[0] - q[0]).abs() >= wide + width || (p[1] - q[1]).abs() >= 160)
+        };
+        let spots = (0..60).map(|k| [*x, y + side * (150 + 160 * k)]);
         let inside = |p: &[i32; 2]| (slice::TOP + 60..window.bottom() - 20).contains(&p[1]);
         let Some(spot) = spots.filter(inside).find(free) else { continue };
-        taken.push(spot);
-        if (spot[1] - y).abs() > 120 {
+        taken.push((spot, wide));
+        if (spot[1] - y).abs() > 160 {
             let _ = write!(leaders, "M{x} {y}V{}", spot[1]);
         }
-        let class = if visit.leaf { "n" } else { "n i" };
-        let _ = writeln!(svg, "<text class=\"{class}\" x=\"{}\" y=\"{}\">{}</text>", spot[0], spot[1] + 38, i + 1);
+        let class = if *search { "n" } else { "n i" };
+        let _ = writeln!(svg, "<text class=\"{class}\" x=\"{}\" y=\"{}\">{text}</text>", spot[0], spot[1] + 54);
     }
     format!("<path class=\"k\" d=\"{leaders}\"/>\n{svg}")
 }
 
 /// What the marks mean.
-fn legend(window: &Window) -> String {
-    let lines = [
-        "blue lines: boxes of nodes and cells, thinner the deeper; tinted boxes list primitives, darker where more",
-        "coloured: primitives; red: a ray from its start (dot) to its hit (ring); yellow: where it looks for primitives",
-        "numbers below the ray: leaves and cells in order of visit; blue ones above it: other nodes, where it enters them",
-    ];
+fn legend(window: &Window, left_out: usize) -> String {
+    let y = window.bottom() + 130;
     let mut svg = String::new();
-    for (i, line) in (0..).zip(lines) {
-        let y = window.bottom() + 170 + i * 150;
-        let _ = writeln!(svg, "<text class=\"s\" x=\"{MARGIN}\" y=\"{y}\">{line}</text>");
+    let marks = [
+        ("<rect class=\"e\" stroke-width=\"22\" width=\"260\" height=\"130\"/>", "node or cell"),
+        ("<rect class=\"f\" fill-opacity=\".26\" width=\"260\" height=\"130\"/>", "lists primitives"),
+        ("<rect class=\"v\" width=\"260\" height=\"130\"/>", "looked into"),
+        (
+            "<path class=\"o\" stroke=\"#c2410c\" d=\"M0 110L130 20\"/><path class=\"o\" stroke=\"#12868f\" \
+          d=\"M130 20L260 110\"/>",
+            "primitives",
+        ),
+    ];
+    for (x, (mark, text)) in [0, 1800, 3750, 5500].into_iter().zip(marks) {
+        let x = MARGIN + x;
+        let _ = writeln!(
+            svg,
+            "<g transform=\"translate({x} {y})\">{mark}</g><text class=\"s\" x=\"{}\" y=\"{}\">{text}</text>",
+            x + 330,
+            y + 115
+        );
+    }
+    let marks = "Red: the ray, up to its hit (ring). Numbers: its steps in order, blue ones on the way down.";
+    svg += &line("s", y + 330, marks);
+    if left_out > 0 {
+        svg += &line("s", y + 500, &format!("The {left_out} smallest pieces are not drawn."));
     }
     svg
 }

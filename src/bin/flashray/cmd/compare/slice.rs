@@ -1,5 +1,5 @@
 //! A plane square to an axis, what of a structure it cuts, and where that is on paper.
-use flashray::{Aabb, Scene};
+use flashray::{Aabb, Kind, Scene};
 
 /// A point in the plane, in scene units.
 pub type Point = [f64; 2];
@@ -19,10 +19,14 @@ impl Rect {
         Self { min: [least(0), least(1)], max: [most(0), most(1)] }
     }
 
-    /// Whether `other` lies inside and is smaller.
-    pub fn holds(&self, other: &Self) -> bool {
-        let inside = |k: usize| self.min[k] <= other.min[k] && other.max[k] <= self.max[k];
-        inside(0) && inside(1) && self != other
+    /// The same, with `air` more on every side.
+    fn grown(&self, air: f64) -> Self {
+        Self { min: self.min.map(|x| x - air), max: self.max.map(|x| x + air) }
+    }
+
+    /// The longer side.
+    pub fn size(&self) -> f64 {
+        (self.max[0] - self.min[0]).max(self.max[1] - self.min[1])
     }
 }
 
@@ -49,6 +53,11 @@ impl Plane {
         Self { axis, at, across, last: max, bounds: rect(bounds, across) }
     }
 
+    /// How far from the scene's box the ray begins and ends.
+    pub fn air(&self) -> f64 {
+        self.bounds.size().max(f64::MIN_POSITIVE) * 0.035
+    }
+
     /// The name of an axis.
     pub const fn name(axis: usize) -> &'static str {
         ["x", "y", "z"][axis % 3]
@@ -59,6 +68,19 @@ impl Plane {
         let (min, max) = (b.min[self.axis], b.max[self.axis]);
         let cut = min <= self.at && (self.at < max || (self.at <= max && (min == max || self.at >= self.last)));
         cut.then(|| rect(b, self.across))
+    }
+
+    /// What the plane cuts of a node's or cell's box, or of the sphere in it.
+    pub fn cut_part(&self, b: &Aabb, round: bool) -> Option<Rect> {
+        if !round {
+            return self.cut(b);
+        }
+        let half = |k: usize| (f64::from(b.max[k]) - f64::from(b.min[k])) / 2.0;
+        let middle = |k: usize| f64::midpoint(f64::from(b.min[k]), f64::from(b.max[k]));
+        let (radius, away) = (half(self.axis), middle(self.axis) - f64::from(self.at));
+        let square = radius * radius - away * away;
+        let point = self.across.map(middle);
+        (square >= 0.0).then(|| Rect { min: point, max: point }.grown(square.sqrt()))
     }
 
     /// A point of space, seen along the axis.
@@ -81,6 +103,11 @@ fn rect(b: &Aabb, across: [usize; 2]) -> Rect {
     Rect { min: corner(b.min), max: corner(b.max) }
 }
 
+/// Whether a structure's nodes are spheres. They are told by the boxes around them.
+pub fn round(scene: &Scene<'_>) -> bool {
+    scene.kind() == Kind::Sphere
+}
+
 /// A node or cell that the plane cuts.
 pub struct Cell {
     pub rect: Rect,
@@ -93,13 +120,16 @@ pub struct Cell {
 pub fn cells(scene: &Scene<'_>, plane: &Plane, most: usize) -> (Vec<Cell>, usize) {
     let mut cells = Vec::new();
     scene.parts(|part| {
-        if let Some(rect) = plane.cut(&part.bounds) {
+        // Sparse voxels keep nothing of what is empty.
+        let kept = scene.kind() != Kind::Voxel || part.listed != Some(0);
+        // The root of a tree of spheres is the scene's box.
+        let round = round(scene) && part.level > 0;
+        if let Some(rect) = plane.cut_part(&part.bounds, round).filter(|_| kept) {
             cells.push(Cell { rect, level: part.level, listed: part.listed });
         }
     });
     let (empty, mut cells): (Vec<_>, Vec<_>) = cells.into_iter().partition(|cell| cell.listed == Some(0));
-    let size = |cell: &Cell| (cell.rect.max[0] - cell.rect.min[0]).max(cell.rect.max[1] - cell.rect.min[1]);
-    cells.sort_by(|a, b| size(b).total_cmp(&size(a)));
+    cells.sort_by(|a, b| b.rect.size().total_cmp(&a.rect.size()));
     let left_out = cells.len().saturating_sub(most);
     cells.truncate(most);
     // Empty cells have no fill, and their outlines melt into few lines: they cost little.
@@ -116,35 +146,27 @@ pub struct Window {
 }
 
 /// Paper around the drawing.
-pub const MARGIN: i32 = 200;
+pub const MARGIN: i32 = 150;
 /// Paper above it, for the heading.
-pub const TOP: i32 = 600;
+pub const TOP: i32 = 790;
 /// Paper below it, for the legend.
-pub const BOTTOM: i32 = 620;
-const WIDEST: f64 = 7200.0;
-const HIGHEST: f64 = 5400.0;
-
-/// Paper for every structure's cut alike.
-pub fn window(scenes: &[Scene<'_>], plane: &Plane) -> Window {
-    let mut all = plane.bounds;
-    for scene in scenes {
-        scene.parts(|part| {
-            if part.level <= 1 {
-                all = plane.cut(&part.bounds).map_or(all, |rect| all.join(&rect));
-            }
-        });
-    }
-    let sides = [0, 1].map(|k| (all.max[k] - all.min[k]).max(f64::MIN_POSITIVE));
-    // A little air, so that a ray is seen to come from outside.
-    let air = sides[0].max(sides[1]) * 0.05;
-    let rect = Rect { min: all.min.map(|x| x - air), max: all.max.map(|x| x + air) };
-    let sides = [0, 1].map(|k| rect.max[k] - rect.min[k]);
-    let scale = (WIDEST / sides[0]).min(HIGHEST / sides[1]);
-    let height = (sides[1] * scale) as i32;
-    Window { rect, scale, width: WIDEST as i32 + 2 * MARGIN, height: height + TOP + BOTTOM }
-}
+pub const BOTTOM: i32 = 680;
+const WIDEST: f64 = 7300.0;
+const HIGHEST: f64 = 7300.0;
 
 impl Window {
+    /// Paper for the scene's box and the structure's cells, just as large as they.
+    pub fn new(cells: &[Cell], plane: &Plane) -> Self {
+        let all = cells.iter().fold(plane.bounds, |all, cell| all.join(&cell.rect));
+        let all = all.grown(all.size().max(f64::MIN_POSITIVE) * 0.01);
+        // The ray begins and ends beside the scene's box.
+        let rect = all.join(&plane.bounds.grown(plane.air() * 1.3));
+        let sides = [0, 1].map(|k| rect.max[k] - rect.min[k]);
+        let scale = (WIDEST / sides[0]).min(HIGHEST / sides[1]);
+        let height = (sides[1] * scale) as i32;
+        Self { rect, scale, width: WIDEST as i32 + 2 * MARGIN, height: height + TOP + BOTTOM }
+    }
+
     /// A point on paper, in the middle of its width.
     pub fn place(&self, p: Point) -> [i32; 2] {
         let used = (self.rect.max[0] - self.rect.min[0]) * self.scale;

@@ -2,40 +2,68 @@
 use super::rays::KINDS;
 use serde_json::Value;
 
-/// A column: heading, decimals, factor and place.
-pub struct Column(pub &'static str, usize, f64, &'static str);
+/// A column: what it has in common with its neighbours, heading, decimals, factor and place.
+pub struct Column(pub &'static str, pub &'static str, usize, f64, &'static str);
+
+/// A title and columns.
+pub type Table = (&'static str, &'static [Column]);
+
+/// All tables.
+pub const TABLES: [Table; 3] = [("What is built", &SIZES), ("Work per ray", &WORK), ("Speed on one thread", &SPEEDS)];
 
 /// What is built.
-pub const SIZES: [Column; 10] = [
-    Column("build ms", 2, 1e3, "/build_seconds"),
-    Column("check ms", 2, 1e3, "/check_seconds"),
-    Column("bytes", 0, 1.0, "/bytes"),
-    Column("B/prim", 1, 1.0, "/bytes_per_primitive"),
-    Column("node B", 0, 1.0, "/node_bytes"),
-    Column("ref B", 0, 1.0, "/reference_bytes"),
-    Column("refs/prim", 2, 1.0, "/references_per_primitive"),
-    Column("nodes", 0, 1.0, "/nodes"),
-    Column("leaves", 0, 1.0, "/leaves"),
-    Column("depth", 0, 1.0, "/depth"),
+const SIZES: [Column; 10] = [
+    Column("time in ms", "build", 2, 1e3, "/build_seconds"),
+    Column("time in ms", "check", 2, 1e3, "/check_seconds"),
+    Column("bytes", "all", 0, 1.0, "/bytes"),
+    Column("bytes", "nodes", 0, 1.0, "/node_bytes"),
+    Column("bytes", "lists", 0, 1.0, "/reference_bytes"),
+    Column("per primitive", "bytes", 1, 1.0, "/bytes_per_primitive"),
+    Column("per primitive", "refs", 2, 1.0, "/references_per_primitive"),
+    Column("shape", "nodes", 0, 1.0, "/nodes"),
+    Column("shape", "leaves", 0, 1.0, "/leaves"),
+    Column("shape", "depth", 0, 1.0, "/depth"),
 ];
 
-/// What rays cost.
-pub const COSTS: [Column; 9] = [
-    Column("steps", 2, 1.0, "/steps_per_ray/all"),
-    Column("tests", 2, 1.0, "/tests_per_ray/all"),
-    Column("spared", 2, 1.0, "/spared_per_ray/all"),
-    Column("camera", 4, 1.0, "/mrays_per_second/camera"),
-    Column("diffuse", 4, 1.0, "/mrays_per_second/diffuse"),
-    Column("shadow", 4, 1.0, "/mrays_per_second/shadow"),
-    Column("chord", 4, 1.0, "/mrays_per_second/chord"),
-    Column("x list", 1, 1.0, "/over_list/camera"),
-    Column("wrong", 0, 1.0, "/wrong"),
+/// What rays do.
+const WORK: [Column; 10] = [
+    Column("steps", "camera", 2, 1.0, "/steps_per_ray/camera"),
+    Column("steps", "diffuse", 2, 1.0, "/steps_per_ray/diffuse"),
+    Column("steps", "chord", 2, 1.0, "/steps_per_ray/chord"),
+    Column("tests", "camera", 2, 1.0, "/tests_per_ray/camera"),
+    Column("tests", "diffuse", 2, 1.0, "/tests_per_ray/diffuse"),
+    Column("tests", "chord", 2, 1.0, "/tests_per_ray/chord"),
+    Column("spared", "camera", 2, 1.0, "/spared_per_ray/camera"),
+    Column("spared", "diffuse", 2, 1.0, "/spared_per_ray/diffuse"),
+    Column("spared", "chord", 2, 1.0, "/spared_per_ray/chord"),
+    Column("answers", "wrong", 0, 1.0, "/wrong"),
 ];
+
+/// How fast they are.
+const SPEEDS: [Column; 12] = [
+    Column("Mrays/s one by one", "camera", 3, 1.0, "/mrays_per_second/camera"),
+    Column("Mrays/s one by one", "diffuse", 3, 1.0, "/mrays_per_second/diffuse"),
+    Column("Mrays/s one by one", "shadow", 3, 1.0, "/mrays_per_second/shadow"),
+    Column("Mrays/s one by one", "chord", 3, 1.0, "/mrays_per_second/chord"),
+    Column("Mrays/s in groups", "camera", 3, 1.0, "/mrays_per_second_in_groups/camera"),
+    Column("Mrays/s in groups", "diffuse", 3, 1.0, "/mrays_per_second_in_groups/diffuse"),
+    Column("Mrays/s in groups", "shadow", 3, 1.0, "/mrays_per_second_in_groups/shadow"),
+    Column("Mrays/s in groups", "chord", 3, 1.0, "/mrays_per_second_in_groups/chord"),
+    Column("times the list", "camera", 1, 1.0, "/over_list/camera"),
+    Column("times the list", "diffuse", 1, 1.0, "/over_list/diffuse"),
+    Column("times the list", "shadow", 1, 1.0, "/over_list/shadow"),
+    Column("times the list", "chord", 1, 1.0, "/over_list/chord"),
+];
+
+/// Neighbours with something in common.
+pub fn groups(columns: &[Column]) -> impl Iterator<Item = &[Column]> {
+    columns.chunk_by(|a, b| a.0 == b.0)
+}
 
 impl Column {
     /// The cell of a row.
     pub fn cell(&self, row: &Value) -> String {
-        let Self(_, decimals, factor, at) = *self;
+        let Self(_, _, decimals, factor, at) = *self;
         let number = row.pointer(at).and_then(Value::as_f64);
         number.map_or_else(|| "-".into(), |x| format!("{:.decimals$}", x * factor))
     }
@@ -68,40 +96,51 @@ pub fn caption(facts: &Value) -> String {
 }
 
 /// What the headings mean.
-pub const LEGEND: &str = "node B: bytes of nodes and cells. ref B: bytes of the lists of primitives in cells; refs/prim: \
-    how often a primitive is listed. steps, tests: nodes or cells visited and primitives tested per ray, over camera, \
-    diffuse and chord rays; spared: tests of these that a mailbox of 8 saves. camera to chord: millions of rays a second \
-    on one thread, medians; shadow rays ask for any hit. x list: camera rays, times the speed of the list.";
+pub const LEGEND: &str = "bytes: nodes are nodes and cells, lists say which primitives are in which cell, all is the whole \
+    blob. refs: how often a primitive is listed. steps: nodes or cells that a ray visits; tests: primitives that it is \
+    tested against; spared: those of the tests that a mailbox of 8 avoids, since the ray met the primitive in a cell \
+    before. Camera rays start at a camera, diffuse and shadow rays where those hit, chords run between points on a \
+    sphere around all. Shadow rays ask for any hit, the others for the closest; work is counted for the latter. \
+    Mrays/s: millions of rays a second, medians; groups are of 64 rays. times the list: one by one.";
 
-/// Both tables as text.
+/// The tables as text.
 pub fn report(facts: &Value) -> String {
-    let mut text = format!("{}: {}\n\n", facts["scene"].as_str().unwrap_or(""), caption(facts));
-    text += &aligned(rows(facts), &SIZES);
-    text.push('\n');
-    text += &aligned(rows(facts), &COSTS);
-    text.push('\n');
-    text += &wrapped(LEGEND, 110);
+    let mut text = wrapped(&format!("{}: {}", facts["scene"].as_str().unwrap_or(""), caption(facts)), 110);
+    for (title, columns) in TABLES {
+        text = text + "\n\n" + title + "\n" + &aligned(rows(facts), columns);
+    }
+    text = text + "\n\n" + &wrapped(LEGEND, 110);
     if let Some(page) = facts["page"].as_str() {
-        text = text + "\n" + page;
+        text = text + "\n\nThe page is " + page;
     }
     text
 }
 
-/// Columns as wide as their widest cell, numbers to the right.
+/// Labels, and beside them the columns.
 fn aligned(rows: &[Value], columns: &[Column]) -> String {
     let labels: Vec<String> = rows.iter().map(label).collect();
     let first = labels.iter().map(String::len).fold("structure".len(), usize::max);
-    let mut lines = vec![format!("{:first$}", "structure")];
+    let mut lines = vec![" ".repeat(first), format!("{:first$}", "structure")];
     lines.extend(labels.iter().map(|label| format!("{label:first$}")));
-    for column in columns {
-        let cells: Vec<String> =
-            std::iter::once(column.0.to_owned()).chain(rows.iter().map(|row| column.cell(row))).collect();
-        let width = cells.iter().map(String::len).max().unwrap_or(0);
-        for (line, cell) in lines.iter_mut().zip(cells) {
-            line.extend(["  ", &" ".repeat(width - cell.len()), &cell]);
-        }
+    for group in groups(columns) {
+        lines.iter_mut().zip(block(rows, group)).for_each(|(line, part)| *line += &part);
     }
-    lines.join("\n") + "\n"
+    lines.join("\n")
+}
+
+/// Columns as wide as their widest cell, numbers to the right; above them what they have in common.
+fn block(rows: &[Value], group: &[Column]) -> Vec<String> {
+    let mut lines = vec![String::new(); rows.len() + 1];
+    for column in group {
+        let cells = std::iter::once(column.1.to_owned()).chain(rows.iter().map(|row| column.cell(row)));
+        let cells: Vec<String> = cells.collect();
+        let width = cells.iter().map(String::len).max().unwrap_or(0) + 2;
+        lines.iter_mut().zip(cells).for_each(|(line, cell)| line.extend([" ".repeat(width - cell.len()), cell]));
+    }
+    let name = [" ", group[0].0, " "].concat();
+    let width = lines[0].len().max(name.len() + 4);
+    let above = format!("  {name:-^0$}", width - 2);
+    std::iter::once(above).chain(lines.iter().map(|line| format!("{line:>width$}"))).collect()
 }
 
 /// Text in lines of at most `width`.

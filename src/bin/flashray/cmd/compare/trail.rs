@@ -1,8 +1,8 @@
 //! One ray in the plane, and the way that each structure takes along it.
-use super::slice::{Plane, Point, Rect};
+use super::slice::{self, Plane, Point, Rect};
 use flashray::walk::Meter;
 use flashray::walk::mailbox::NoMailbox;
-use flashray::{Aabb, Hit, Ray, Scene};
+use flashray::{Aabb, Hit, Kind, Ray, Scene};
 use std::collections::HashMap;
 
 /// Of the ways from the left edge to the right, one that first hits about two thirds along, and past many nodes.
@@ -10,7 +10,7 @@ pub fn choose(scene: &Scene<'_>, plane: &Plane) -> Ray {
     const TRIES: usize = 12;
     let bounds = plane.bounds;
     let sides = [0, 1].map(|k| bounds.max[k] - bounds.min[k]);
-    let air = sides[0].max(sides[1]) * 0.035;
+    let air = plane.air();
     // An odd share, so that no way runs along a plane of the structure.
     let height = |i: usize| bounds.min[1] + sides[1] * (i as f64 + 0.537) / TRIES as f64;
     let ray = |from: usize, to: usize| {
@@ -29,9 +29,8 @@ pub fn choose(scene: &Scene<'_>, plane: &Plane) -> Ray {
 
 /// A node or cell that a ray visits.
 pub struct Visit {
-    pub rect: Rect,
-    /// Whether primitives are looked for here: a leaf or a cell, or a node that holds its leaves.
-    pub leaf: bool,
+    /// Where primitives are looked for: a cell, a leaf, or the leaves that a node holds and the ray meets.
+    pub searched: Vec<Rect>,
     /// Where the ray enters it and leaves it or has its hit, as shares of its way.
     pub span: [f64; 2],
 }
@@ -50,17 +49,50 @@ impl Trail {
         let mut recorder = Recorder::default();
         // The blob was checked: a walk ends by itself.
         let hit = scene.closest_hit_metered(ray, &mut recorder, &mut NoMailbox).unwrap_or(None);
-        let leaves = recorder.leaves(scene);
         let (from, along) = (plane.flat(ray.origin), plane.flat(ray.dir));
         let stop = hit.map_or(1.0, |hit| f64::from(hit.t));
-        let rects: Vec<Rect> = recorder.visits.iter().map(|(b, _)| whole(plane, b)).collect();
-        let visit = |(i, rect): (usize, &Rect)| {
-            let goes_on = rects[i + 1..].iter().any(|later| rect.holds(later));
-            let leaf = leaves[i] || (recorder.visits[i].1 > 0 && !goes_on);
-            Visit { rect: *rect, leaf, span: span(rect, from, along, stop) }
+        let searched = searched(scene);
+        let round = slice::round(scene);
+        let visit = |bounds: &Aabb| {
+            // A cell that is not stored is empty.
+            let boxes = searched.get(&key(bounds)).map_or(std::slice::from_ref(bounds), Vec::as_slice);
+            let rects = boxes.iter().filter_map(|b| plane.cut_part(b, round));
+            let [near, far] = span(&whole(plane, bounds), from, along, stop);
+            Visit {
+                searched: rects.filter(|rect| span(rect, from, along, stop).is_sorted()).collect(),
+                span: [near.min(1.0), far.max(near).min(1.0)],
+            }
         };
-        Self { visits: rects.iter().enumerate().map(visit).collect(), tests: recorder.tests, hit }
+        Self { visits: recorder.visits.iter().map(visit).collect(), tests: recorder.tests, hit }
     }
+}
+
+/// A box as a key.
+fn key(b: &Aabb) -> [[u32; 3]; 2] {
+    [b.min, b.max].map(|p| p.map(f32::to_bits))
+}
+
+/// For each node or cell the boxes in which a visit to it looks for primitives. A visit to a node of a hierarchy is told
+/// by the box around the node's two parts, and tests what leaves there are among them.
+fn searched(scene: &Scene<'_>) -> HashMap<[[u32; 3]; 2], Vec<Aabb>> {
+    let mut parts = Vec::new();
+    scene.parts(|part| parts.push(part));
+    let hierarchy = matches!(scene.kind(), Kind::Bvh | Kind::Sphere);
+    let mut searched: HashMap<_, Vec<Aabb>> = HashMap::new();
+    for (i, part) in parts.iter().enumerate() {
+        if !hierarchy || part.listed.is_some() {
+            searched.entry(key(&part.bounds)).or_default().extend(part.listed.map(|_| part.bounds));
+            continue;
+        }
+        // A node comes before what is below it.
+        let below = parts[i + 1..].iter().filter(|other| other.level == part.level + 1).take(2);
+        let pair: Vec<_> = below.collect();
+        if let [first, second] = pair[..] {
+            let leaves = pair.iter().filter(|part| part.listed.is_some()).map(|part| part.bounds);
+            searched.insert(key(&first.bounds.join(&second.bounds)), leaves.collect());
+        }
+    }
+    searched
 }
 
 /// A box seen along the plane's axis.
@@ -68,7 +100,7 @@ fn whole(plane: &Plane, b: &Aabb) -> Rect {
     Rect { min: plane.flat(b.min), max: plane.flat(b.max) }
 }
 
-/// Where a ray is inside a rectangle, up to `stop`.
+/// From where to where a ray is inside a rectangle, up to `stop`; backwards if it is not.
 fn span(rect: &Rect, from: Point, along: Point, stop: f64) -> [f64; 2] {
     let (mut near, mut far) = (0.0f64, stop);
     for k in 0..2 {
@@ -78,28 +110,14 @@ fn span(rect: &Rect, from: Point, along: Point, stop: f64) -> [f64; 2] {
             far = far.min(ends[0].max(ends[1]));
         }
     }
-    [near.min(1.0), far.max(near).min(1.0)]
+    [near, far]
 }
 
-/// Boxes visited, the primitives tested in each, and in all. Never stops a walk.
+/// Boxes visited, and how many primitives are tested. Never stops a walk.
 #[derive(Default)]
 struct Recorder {
-    visits: Vec<(Aabb, u32)>,
+    visits: Vec<Aabb>,
     tests: u32,
-}
-
-impl Recorder {
-    /// For each visit whether it is to a leaf or cell.
-    fn leaves(&self, scene: &Scene<'_>) -> Vec<bool> {
-        let key = |b: &Aabb| [b.min, b.max].map(|p| p.map(f32::to_bits));
-        let mut leaf: HashMap<_, bool> = self.visits.iter().map(|(b, _)| (key(b), false)).collect();
-        scene.parts(|part| {
-            if let Some(leaf) = leaf.get_mut(&key(&part.bounds)) {
-                *leaf |= part.listed.is_some();
-            }
-        });
-        self.visits.iter().map(|(b, _)| leaf[&key(b)]).collect()
-    }
 }
 
 impl Meter for Recorder {
@@ -109,14 +127,11 @@ impl Meter for Recorder {
 
     fn prims(&mut self, n: u32) -> bool {
         self.tests = self.tests.saturating_add(n);
-        if let Some((_, tests)) = self.visits.last_mut() {
-            *tests = tests.saturating_add(n);
-        }
         true
     }
 
     fn at(&mut self, bounds: impl FnOnce() -> Aabb) {
-        self.visits.push((bounds(), 0));
+        self.visits.push(bounds());
     }
 
     fn spared(&mut self) {
