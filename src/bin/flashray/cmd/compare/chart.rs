@@ -1,5 +1,6 @@
 //! Bar plots as SVG.
 use super::page::escaped;
+use super::rays::KINDS;
 use std::fmt::Write as _;
 
 /// A plot: for each row a bar for each series, or one bar of them all.
@@ -47,7 +48,8 @@ impl Chart<'_> {
             // Writing to a string does not fail, here and below.
             let _ = writeln!(
                 svg,
-                "<rect class=\"c{i}\" x=\"{x}\" y=\"32\" width=\"11\" height=\"11\"/><text x=\"{}\" y=\"42\">{name}</text>",
+                "<rect class=\"c{}\" x=\"{x}\" y=\"32\" width=\"11\" height=\"11\"/><text x=\"{}\" y=\"42\">{name}</text>",
+                self.color(i),
                 x + 16.0
             );
         }
@@ -81,12 +83,21 @@ impl Chart<'_> {
         svg + &format!("<text class=\"t\" x=\"{middle}\" y=\"{:.1}\">{}</text>\n", y + 31.0, escaped(self.unit))
     }
 
+    /// A kind of rays has one colour in all plots.
+    fn color(&self, series: usize) -> usize {
+        KINDS.iter().position(|kind| *kind == self.series[series]).unwrap_or(series)
+    }
+
     fn group(&self, values: &[Option<f64>], y: f64, scale: f64) -> String {
         let bar = |(i, value): (usize, &Option<f64>)| {
             let y = y + THIN * i as f64;
             match value {
                 Some(value) => {
-                    format!("{}{}", bar(i, LEFT, y, value * scale, THIN - 1.0), self.number(*value, y + 9.0, scale))
+                    format!(
+                        "{}{}",
+                        bar(self.color(i), LEFT, y, value * scale, THIN - 1.0),
+                        self.number(*value, y + 9.0, scale)
+                    )
                 }
                 None => String::new(),
             }
@@ -98,7 +109,7 @@ impl Chart<'_> {
         let (mut svg, mut sum) = (String::new(), 0.0);
         for (i, value) in values.iter().enumerate() {
             let value = value.unwrap_or(0.0);
-            svg += &bar(i, LEFT + sum * scale, y, value * scale, THICK);
+            svg += &bar(self.color(i), LEFT + sum * scale, y, value * scale, THICK);
             sum += value;
         }
         svg + &self.number(sum, y + 12.0, scale)
