@@ -17,7 +17,7 @@ mod spd;
 
 use flashray::blob::Buffer;
 use flashray::blob::prims::Primitive;
-use flashray::build::{Config, Mesh, to_vec};
+use flashray::build::{Config, to_vec};
 use flashray::walk::mailbox::{Last8, Mailbox, NoMailbox, Signatures};
 use flashray::walk::{Fuel, Steps};
 use flashray::{Kind, Ray, Scene};
@@ -52,9 +52,7 @@ fn read(input: &str) -> Result<Soup, String> {
 }
 
 fn measure(input: &str, soup: &Soup) {
-    let mesh = Mesh::new(&soup.positions, &soup.triangles).spheres(&soup.spheres).boxes(&soup.boxes);
-    let mesh = mesh.cylinders(&soup.cylinders).cones(&soup.cones);
-    let blob = Buffer::from(&to_vec(&mesh, &Config::new(Kind::Grid)).expect("a good mesh")[..]);
+    let blob = Buffer::from(&to_vec(&soup.mesh(), &Config::new(Kind::Grid)).expect("a good mesh")[..]);
     let scene = Scene::from_bytes(&blob).expect("a good blob");
     let rays = rays(&scene);
     let mut words = vec![0; scene.len() as usize];

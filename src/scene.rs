@@ -194,6 +194,14 @@ impl<'a> Scene<'a> {
         (hit, tally.steps)
     }
 
+    /// [`Scene::any_hit`] together with what it cost.
+    #[must_use]
+    pub fn any_hit_counted(&self, ray: &Ray) -> (bool, Steps) {
+        let mut tally = Tally { fuel: Fuel(self.fuel), steps: Steps::default() };
+        let found = self.query::<true>(ray, &mut tally, &mut NoMailbox).is_ok_and(|hit| hit.is_some());
+        (found, tally.steps)
+    }
+
     /// [`Scene::closest_hit_counted`] with a mailbox: the same answer, and in structures that list a primitive in
     /// several cells fewer tests.
     ///

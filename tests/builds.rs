@@ -1,6 +1,6 @@
 //! Builders: lent memory, bad meshes, hostile soups, and the golden blobs.
 use crate::common::meshes::{icosphere, mixed};
-use crate::common::{bits, build, configs, mesh};
+use crate::common::{bits, build, configs};
 use crate::soup::Soup;
 use flashray::blob::Buffer;
 use flashray::build::{Arena, BuildError, Config, Mesh, Needs, What, into, to_vec};
@@ -11,7 +11,7 @@ use std::path::PathBuf;
 #[test]
 fn building_in_lent_memory_gives_the_same_bytes_and_says_what_is_full() {
     let soup = mixed(100, 3);
-    let mesh = mesh(&soup);
+    let mesh = soup.mesh();
     for config in configs() {
         let expected = to_vec(&mesh, &config).expect("a good mesh");
         let needs = Needs::new(&mesh, &config).expect("small enough");

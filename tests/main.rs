@@ -6,11 +6,16 @@
     clippy::cast_possible_wrap
 )]
 
+#[path = "../src/bin/flashray/camera.rs"]
+#[allow(dead_code)]
+mod camera;
 #[path = "../src/bin/flashray/hostile.rs"]
 mod hostile;
 #[path = "../src/bin/flashray/mesh/mod.rs"]
 #[allow(dead_code)]
 mod mesh;
+#[path = "../src/bin/flashray/normal.rs"]
+mod normal;
 #[path = "../src/bin/flashray/random.rs"]
 mod random;
 #[path = "../src/bin/flashray/soup.rs"]
@@ -18,6 +23,8 @@ mod soup;
 #[path = "../src/bin/flashray/spd/mod.rs"]
 #[allow(dead_code)]
 mod spd;
+#[path = "../benches/whitted.rs"]
+mod whitted;
 
 mod agree;
 mod blobs;

@@ -1,6 +1,7 @@
-//! The procedural scenes' published primary-hit counts, by blobs.
+//! The procedural scenes' published counts of primary hits and of rays, by blobs.
 use crate::common::build;
 use crate::spd::{NAMES, scene};
+use crate::whitted::Rays;
 use flashray::build::{Config, Rule};
 use flashray::{Kind, Ray, Scene};
 
@@ -54,5 +55,34 @@ fn grids_in_cells_are_for_crowds() {
             let (fewer, steps) = work(name, &Config::new(Kind::Nested).rule(rule));
             assert!(fewer * gain < tests && steps < 40.0, "{name}, {rule:?}: {fewer} tests and {steps} steps a ray");
         }
+    }
+}
+
+/// For each scene rays reflected and refracted by the README of the SPD, and all rays by Havran's thesis.
+const PUBLISHED: [(&str, [Option<usize>; 2], usize); 8] = [
+    ("balls", [Some(175_095), Some(0)], 1_402_297),
+    ("gears", [Some(304_643), Some(207_564)], 2_845_519),
+    ("lattice", [None, Some(0)], 1_687_153),
+    ("mount", [Some(354_769), Some(354_769)], 1_334_642),
+    ("rings", [Some(315_236), Some(0)], 1_653_384),
+    ("teapot", [Some(225_248), Some(0)], 895_744),
+    ("tetra", [Some(0), Some(0)], 309_431),
+    ("tree", [Some(0), Some(0)], 1_373_492),
+];
+
+#[test]
+fn secondary_rays_are_as_many_as_published() {
+    for (name, spawned, all) in PUBLISHED {
+        let spd = scene(name).expect("a known scene");
+        let blob = build(&spd.soup, &Config::new(Kind::Bvh));
+        let rays = Rays::new(&spd, &Scene::from_bytes(&blob).expect("a good blob"), 129);
+        let share = rays.eye as f64 / (513.0 * 513.0);
+        let ours = [rays.reflected, rays.refracted, rays.count()];
+        println!("{name}: {ours:?} for {spawned:?} and {all}, times {share:.4}");
+        for (ours, published) in ours.into_iter().zip([spawned[0], spawned[1], Some(all)]) {
+            let wanted = published.map_or(ours as f64, |n| n as f64 * share);
+            assert!((ours as f64 - wanted).abs() <= wanted * 0.05, "{name}: {ours} rays for {wanted:.0}");
+        }
+        assert_eq!(rays.closest.len(), rays.eye + rays.reflected + rays.refracted, "{name}");
     }
 }

@@ -5,7 +5,7 @@ pub mod tools;
 
 use crate::soup::Soup;
 use flashray::blob::Buffer;
-use flashray::build::{Config, Mesh, Rule, to_vec};
+use flashray::build::{Config, Rule, to_vec};
 use flashray::{Hit, Kind};
 use std::path::PathBuf;
 
@@ -37,16 +37,8 @@ pub fn configs() -> Vec<Config> {
     ]
 }
 
-pub fn mesh(soup: &Soup) -> Mesh<'_> {
-    Mesh::new(&soup.positions, &soup.triangles)
-        .spheres(&soup.spheres)
-        .boxes(&soup.boxes)
-        .cylinders(&soup.cylinders)
-        .cones(&soup.cones)
-}
-
 pub fn build(soup: &Soup, config: &Config) -> Buffer {
-    Buffer::from(&to_vec(&mesh(soup), config).expect("a good mesh builds")[..])
+    Buffer::from(&to_vec(&soup.mesh(), config).expect("a good mesh builds")[..])
 }
 
 /// A hit as comparable bits.

@@ -1,7 +1,6 @@
 //! The inputs of `build`: files and procedural scenes.
 use crate::soup::Soup;
 use crate::{Failure, mesh, spd};
-use flashray::build::Mesh;
 use std::path::Path;
 
 /// What `IN` names: a mesh file, or `spd:NAME[:SIZE]`.
@@ -22,15 +21,6 @@ pub fn read_all(inputs: &[String]) -> Result<Soup, Failure> {
 }
 
 impl Soup {
-    /// The borrowed form that builders take.
-    pub fn mesh(&self) -> Mesh<'_> {
-        Mesh::new(&self.positions, &self.triangles)
-            .spheres(&self.spheres)
-            .boxes(&self.boxes)
-            .cylinders(&self.cylinders)
-            .cones(&self.cones)
-    }
-
     fn append(&mut self, other: Self) -> Result<(), Failure> {
         let shift = u32::try_from(self.positions.len()).ok();
         let last = u32::try_from(self.positions.len() + other.positions.len()).ok();

@@ -10,6 +10,7 @@ mod file;
 mod hostile;
 mod input;
 mod mesh;
+mod normal;
 mod random;
 mod soup;
 mod spd;

@@ -1,9 +1,10 @@
 //! `flashray render`.
-use crate::camera::{Camera, Vec3, add_scaled, cross, dot, sub, unit};
+use crate::camera::{Camera, Vec3, add_scaled, dot, sub, unit};
+use crate::normal::normal_at;
 use crate::{Failure, args, file};
 use clap::ValueEnum;
 use flashray::blob::prims::Primitive;
-use flashray::{Cone, Hit, Ray, Scene};
+use flashray::{Hit, Ray, Scene};
 use rayon::prelude::*;
 use std::path::PathBuf;
 use std::time::Instant;
@@ -213,40 +214,6 @@ impl<'s, 'a> Shader<'s, 'a> {
         let brightness = 0.18 + 0.37 * facing.abs() + if dark { 0.0 } else { 0.5 * towards };
         normal.map(|x| (0.62 + 0.38 * x) * brightness)
     }
-}
-
-/// The unit direction that the surface faces at a point of it.
-pub fn normal_at(primitive: &Primitive, p: Vec3) -> Vec3 {
-    match primitive {
-        Primitive::Triangle(t) => {
-            let (a, b) = (unit(sub(t.v[1], t.v[0])), unit(sub(t.v[2], t.v[0])));
-            unit(cross(a, b))
-        }
-        Primitive::Sphere(s) => unit(sub(p, s.center)),
-        Primitive::Box(b) => {
-            let reach = |k: usize| ((p[k] - b.min[k]) / (b.max[k] - b.min[k]).max(f32::MIN_POSITIVE)) * 2.0 - 1.0;
-            let at = [0, 1, 2].map(reach);
-            let most = at.iter().fold(0.0f32, |a, b| a.max(b.abs()));
-            unit(at.map(|x| if x.abs() == most { x } else { 0.0 }))
-        }
-        Primitive::Cylinder(c) => cone_normal(&c.as_cone(), p),
-        Primitive::Cone(c) => cone_normal(c, p),
-        _ => [0.0; 3],
-    }
-}
-
-fn cone_normal(c: &Cone, p: Vec3) -> Vec3 {
-    let axis = sub(c.top, c.base);
-    let length = dot(axis, axis).sqrt();
-    let up = unit(axis);
-    let height = dot(sub(p, c.base), up) / length.max(f32::MIN_POSITIVE);
-    let away = add_scaled(sub(p, c.base), -height * length, up);
-    let radius = dot(away, away).sqrt();
-    let side = c.base_radius + (c.top_radius - c.base_radius) * height;
-    if c.caps != 0 && radius < side * 0.999 {
-        return if height < 0.5 { up.map(|x| -x) } else { up };
-    }
-    unit(add_scaled(unit(away), (c.base_radius - c.top_radius) / length.max(f32::MIN_POSITIVE), up))
 }
 
 /// A bright colour for a number, far from those of its neighbours.

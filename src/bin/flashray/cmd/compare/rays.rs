@@ -1,7 +1,7 @@
 //! The four kinds of rays that structures are compared with.
 use super::super::rays::on_sphere;
-use super::super::render::normal_at;
 use crate::camera::{Camera, Vec3, add_scaled, dot, sub, unit};
+use crate::normal::normal_at;
 use crate::random::Random;
 use crate::soup::Soup;
 use crate::spd::{self, View};
