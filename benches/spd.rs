@@ -212,7 +212,7 @@ impl Tables {
 }
 
 /// What rays cost.
-#[derive(Default)]
+#[derive(Clone, Copy, Default)]
 struct Sum {
     rays: u64,
     tests: u64,
