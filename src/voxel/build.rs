@@ -7,7 +7,8 @@
 //! `Rule::Seed` builds the flat form with one voxel a primitive, as the lecture has it. `Rule::Sah` builds the form that
 //! is smaller. The hash table has a slot for each occupied voxel; its size has no divisor in common with the numbers of
 //! cells, so that neighbours along any axis do not share a slot.
-use super::blocks::{BIT_WORDS, GROUP, GROUP_WORDS, STRIDES};
+use super::blocks::{BIT_WORDS, GROUP, GROUP_WORDS, OCTANT, STRIDES, exchange};
+use super::fill::{fill_blocks, fill_flat, fill_lists, masks};
 use super::flat::{MOST, most_tag};
 use super::{BLOCKS, FLAT, Table};
 use crate::blob::Section;
@@ -45,8 +46,7 @@ impl Plan {
         let grid = Grid::with(input, config, if seed { &SEED } else { &SAH })?;
         let most = grid.listed.min(grid.cells);
         // A bit a voxel may be more than blocks can be at worst.
-        let worst = block_words(&grid.shape, most.min(super::blocks::shape(&grid.shape).len().unwrap_or(0)));
-        let flat = seed || (grid.cells <= MOST && grid.cells.div_ceil(32) < worst);
+        let flat = seed || (grid.cells <= MOST && grid.cells.div_ceil(32) < most_block_words(&grid.shape, most));
         Ok(Self { grid, flat, blocks: !seed })
     }
 
@@ -62,9 +62,8 @@ impl Plan {
             return 0;
         }
         let most = self.most();
-        let blocks = super::blocks::shape(&self.grid.shape).len().unwrap_or(0);
         let flat = if self.flat { self.grid.cells.div_ceil(32) + 2 * most + SEARCHED + 4 } else { 0 };
-        let blocks = if self.blocks { block_words(&self.grid.shape, most.min(blocks)) } else { 0 };
+        let blocks = if self.blocks { most_block_words(&self.grid.shape, most) } else { 0 };
         HEAD + self.scratch() + index(flat.max(blocks)) + index(most) + 2
     }
 
@@ -81,10 +80,18 @@ impl Plan {
     }
 }
 
-/// Words of the bits and masks of so many blocks.
-fn block_words(shape: &Shape, blocks: u32) -> u32 {
+/// Words of the bits and masks of so many blocks with so many octants.
+fn block_words(shape: &Shape, blocks: u32, octants: u32) -> u32 {
     let all = super::blocks::shape(shape).len().unwrap_or(u32::MAX);
-    all.div_ceil(64).saturating_mul(BIT_WORDS).saturating_add(blocks.div_ceil(GROUP).saturating_mul(GROUP_WORDS))
+    let bits = all.div_ceil(64).saturating_mul(BIT_WORDS);
+    let groups = blocks.div_ceil(GROUP).saturating_mul(GROUP_WORDS);
+    bits.saturating_add(groups).saturating_add(words(octants, width(OCTANT)))
+}
+
+/// The same at most, where so many voxels list something.
+fn most_block_words(shape: &Shape, voxels: u32) -> u32 {
+    let blocks = voxels.min(super::blocks::shape(shape).len().unwrap_or(u32::MAX));
+    block_words(shape, blocks, voxels.min(blocks.saturating_mul(8)))
 }
 
 /// Words of the bits and buckets of so many voxels.
@@ -146,12 +153,8 @@ pub fn build<'p>(
     let order = number_slots(starts.get(..=index(table.occupied)).unwrap_or(&[]), slots, refs);
     let starts_len = pack(starts, table.occupied + 1, listed);
     let slots_len = pack(slots, listed, input.len - 1);
-    let voxels = pairs.chunk_by(|a, b| a[0] == b[0]).filter_map(|list| Some(list.first()?[0]));
-    let (bits, index) = if table.form == FLAT {
-        fill_flat(&shape, &table, voxels, rest)
-    } else {
-        fill_blocks(&shape, &table, voxels, rest)
-    };
+    let fill = if table.form == FLAT { fill_flat } else { fill_blocks };
+    let (bits, index) = fill(&shape, &table, pairs, rest);
     let mut parts = Parts::new(order, 0, super::steps(&shape, &table));
     parts.push(Section::GridShape, head, SHAPE_WORDS);
     parts.push(Section::VoxelTable, counts, size_of::<Table>() / 4);
@@ -171,31 +174,30 @@ fn sorted_pairs(input: &Input<'_>, plan: &Plan, pairs: &mut [[u32; 2]]) -> Table
             *place = [voxel, prim];
         }
     });
-    let (mut occupied, mut filled) = (0, 0);
     if plan.blocks {
         for pair in pairs.iter_mut() {
             pair[0] = block_bit(&shape, &blocks, pair[0]);
         }
     }
     pairs.sort_unstable();
-    let (mut last, mut last_block) = (None, None);
-    for &[voxel, _] in pairs.iter() {
-        occupied += u32::from(last != Some(voxel));
-        filled += u32::from(last_block != Some(voxel / 64));
-        (last, last_block) = (Some(voxel), Some(voxel / 64));
-    }
-    let modulus = modulus(&shape, occupied);
-    let listed = count(pairs.len());
-    if plan.blocks && !(plan.flat && flat_words(&shape, modulus, occupied) < block_words(&shape, filled)) {
-        return Table { form: BLOCKS, modulus: 0, occupied, listed, blocks: filled, none: 0 };
-    }
+    let occupied = count(pairs.chunk_by(|a, b| a[0] == b[0]).count());
+    let (modulus, listed) = (modulus(&shape, occupied), count(pairs.len()));
     if plan.blocks {
+        let (mut filled, mut octants) = (0, 0);
+        for (_, mask) in masks(pairs) {
+            filled += 1;
+            octants += count(exchange(mask).to_le_bytes().iter().filter(|&&byte| byte != 0).count());
+        }
+        let words = block_words(&shape, filled, octants);
+        if !plan.flat || flat_words(&shape, modulus, occupied) >= words {
+            return Table { form: BLOCKS, modulus: 0, occupied, listed, blocks: filled, octants };
+        }
         for pair in pairs.iter_mut() {
             pair[0] = voxel(&shape, &blocks, pair[0]);
         }
     }
     pairs.sort_unstable_by_key(|&[voxel, prim]| (voxel % modulus, voxel / modulus, prim));
-    Table { form: FLAT, modulus, occupied, listed, blocks: 0, none: 0 }
+    Table { form: FLAT, modulus, occupied, listed, blocks: 0, octants: 0 }
 }
 
 /// The voxel of a block's bit.
@@ -204,99 +206,4 @@ fn voxel(shape: &Shape, blocks: &Shape, bit: u32) -> u32 {
     let (cell, strides) = (super::Blocks::cell(first, bit % 64), shape.strides());
     let along = |k: usize| cell[k].wrapping_mul(strides[k]);
     along(0).wrapping_add(along(1)).wrapping_add(along(2))
-}
-
-/// Writes where the list of each voxel starts, where the last one ends, and the primitives listed.
-fn fill_lists(pairs: &[[u32; 2]], starts: &mut [u32], slots: &mut [u32]) {
-    let mut places = starts.iter_mut();
-    let mut last = None;
-    for (i, (&[voxel, prim], slot)) in pairs.iter().zip(slots.iter_mut()).enumerate() {
-        if last != Some(voxel)
-            && let Some(place) = places.next()
-        {
-            *place = count(i);
-        }
-        (last, *slot) = (Some(voxel), prim);
-    }
-    if let Some(place) = places.next() {
-        *place = count(pairs.len());
-    }
-}
-
-/// Bits, and packed buckets and quotients.
-fn fill_flat<'p>(
-    shape: &Shape,
-    table: &Table,
-    voxels: impl Iterator<Item = u32>,
-    words: &'p mut [u32],
-) -> (&'p [u32], &'p [u32]) {
-    let all = shape.len().unwrap_or(0);
-    let (bits, rest) = words.split_at_mut(index(all.div_ceil(32)));
-    let (buckets, tags) = rest.split_at_mut(index(table.modulus) + 2);
-    bits.fill(0);
-    buckets.fill(0);
-    for (tag, voxel) in tags.iter_mut().zip(voxels) {
-        *tag = voxel / table.modulus;
-        if let Some(word) = bits.get_mut(index(voxel >> 5)) {
-            *word |= 1 << (voxel & 31);
-        }
-        // Counted at the slot after: the sums are then where the slots start.
-        if let Some(n) = buckets.get_mut(index(voxel % table.modulus) + 1) {
-            *n += 1;
-        }
-    }
-    let mut sum = 0;
-    for start in buckets.iter_mut() {
-        sum += *start;
-        *start = sum;
-    }
-    let first = pack(buckets, table.modulus + 1, table.occupied);
-    let second = pack(tags, table.occupied, most_tag(all, table.modulus));
-    let gap = buckets.len() - first;
-    rest.copy_within(first + gap..first + gap + second, first);
-    (bits, rest.get(..first + second).unwrap_or(&[]))
-}
-
-/// Bits and masks of blocks, with counts.
-fn fill_blocks<'p>(
-    shape: &Shape,
-    table: &Table,
-    voxels: impl Iterator<Item = u32>,
-    words: &'p mut [u32],
-) -> (&'p [u32], &'p [u32]) {
-    let all = super::blocks::shape(shape).len().unwrap_or(0);
-    let (bits, rest) = words.split_at_mut(index(all.div_ceil(64) * BIT_WORDS));
-    let masks_len = index(table.blocks.div_ceil(GROUP) * GROUP_WORDS);
-    let masks = rest.get_mut(..masks_len).unwrap_or(&mut []);
-    bits.fill(0);
-    masks.fill(0);
-    let (mut last, mut rank) = (None, 0);
-    for (n, bit) in voxels.enumerate() {
-        let block = bit / 64;
-        if last != Some(block) {
-            rank = last.map_or(0, |_| rank + 1);
-            last = Some(block);
-            let at = block / 64 * BIT_WORDS + block % 64 / 32;
-            if let Some(word) = bits.get_mut(index(at)) {
-                *word |= 1 << (block % 32);
-            }
-            if let Some(before) =
-                masks.get_mut(index(rank / GROUP * GROUP_WORDS)).filter(|_| rank.is_multiple_of(GROUP))
-            {
-                *before = count(n);
-            }
-        }
-        let at = rank / GROUP * GROUP_WORDS + 1 + 2 * (rank % GROUP) + bit % 64 / 32;
-        if let Some(word) = masks.get_mut(index(at)) {
-            *word |= 1 << (bit % 32);
-        }
-    }
-    let mut sum = 0;
-    for group in bits.chunks_exact_mut(index(BIT_WORDS)) {
-        if let [low, high, before] = group {
-            *before = sum;
-            sum += low.count_ones() + high.count_ones();
-        }
-    }
-    (bits, masks)
 }

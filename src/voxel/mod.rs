@@ -6,8 +6,8 @@
 //! Computer 4, 1988; the lecture "Ray Tracing with Spatial Hierarchies"). Where it is on, its list is found in one of two ways:
 //!
 //! - [`Flat`]: one bit for each voxel, and a hash table whose slot is the voxel's number modulo its size.
-//! - [`Blocks`]: one bit for each block of 4 by 4 by 4 voxels, a mask of 64 bits for each block that has one on, and
-//!   counts of bits before. A ray crosses an empty block in one step.
+//! - [`Blocks`]: one bit for each block of 4 by 4 by 4 voxels; for each block that has one on, one bit for each octant;
+//!   for each octant that has one on, 8 bits; and counts of bits before. A ray crosses an empty block in one step.
 //!
 //! All numbers are packed ([`crate::blob::packed`]). Choose it where the grid is right and memory is scarce. It does not
 //! adapt more than the grid does, and needs no stack.
@@ -20,11 +20,13 @@
 //! | 8 | 4 | `occupied` | number of voxels whose bit is on |
 //! | 12 | 4 | `listed` | number of slots listed |
 //! | 16 | 4 | `blocks` | number of blocks with such a voxel; 0 for flat |
-//! | 20 | 4 | `none` | 0 |
+//! | 20 | 4 | `octants` | number of octants of blocks with such a voxel; 0 for flat |
 
 mod blocks;
 #[cfg(feature = "build")]
 pub mod build;
+#[cfg(feature = "build")]
+mod fill;
 mod flat;
 mod walk;
 
@@ -70,8 +72,8 @@ pub struct Table {
     pub listed: u32,
     /// Blocks with such a voxel.
     pub blocks: u32,
-    /// 0.
-    pub none: u32,
+    /// Octants of blocks with such a voxel.
+    pub octants: u32,
 }
 
 const _: () = assert!(size_of::<Table>() == 24);
@@ -106,7 +108,7 @@ pub struct View<'a> {
 }
 
 impl<'a> View<'a> {
-    /// The sections, O(1): rules 7, 10, 25 and 30.
+    /// The sections, O(1): rules 10, 25 and 30.
     ///
     /// # Errors
     /// The first rule that is broken.
@@ -121,7 +123,6 @@ impl<'a> View<'a> {
         let broken = BlobError::new(Rule::VoxelTable, Section::VoxelTable);
         match (shape, tables) {
             (None, []) if blob.header().prims == 0 && words.iter().all(|w| w.is_empty()) => Ok(Self { voxels: None }),
-            (Some(_), [table]) if table.none != 0 => Err(BlobError::new(Rule::Reserved, Section::VoxelTable)),
             (Some(shape), [table]) => {
                 let voxels = Voxels::new(shape, table, words, blob.header().prims).ok_or(broken)?;
                 Ok(Self { voxels: Some(voxels) })
@@ -193,7 +194,7 @@ impl<'a> Voxels<'a> {
     fn new(shape: &'a Shape, table: &'a Table, words: [&'a [u32]; 4], prims: u32) -> Option<Self> {
         let [bits, index, starts, slots] = words;
         let form = match table.form {
-            FLAT if table.blocks == 0 => Form::Flat(Flat::new(shape, table, bits, index)?),
+            FLAT if (table.blocks, table.octants) == (0, 0) => Form::Flat(Flat::new(shape, table, bits, index)?),
             BLOCKS if table.modulus == 0 => Form::Blocks(Blocks::new(shape, table, bits, index)?),
             _ => return None,
         };

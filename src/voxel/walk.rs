@@ -83,10 +83,13 @@ impl<M: Meter, B: Mailbox> Query<'_, M, B> {
             if !self.meter.node() {
                 return Err(Stop::Fuel);
             }
-            let (first, last) = blocks.cells(self.voxels.shape, at.place);
-            self.meter.at(|| self.voxels.shape.lattice.bounds(first, last));
+            let grid = self.voxels.shape;
+            self.meter.at(|| {
+                let (first, last) = blocks.cells(grid, at.place);
+                grid.lattice.bounds(first, last)
+            });
             if let Some(block) = blocks.block(at.number.at)?
-                && self.block::<ANY>(blocks, &block, (first, last))?
+                && self.block::<ANY>(blocks, &block, blocks.cells(grid, at.place))?
             {
                 return Ok(true);
             }
