@@ -36,6 +36,7 @@ mod dda;
 mod docs;
 mod firmware;
 mod geometry;
+mod grid;
 mod nested;
 mod octree;
 #[path = "spd.rs"]

@@ -54,6 +54,16 @@ impl Primitive {
         }
     }
 
+    /// Whether it may have a part in a cell of those in a box: where this says no, [`Primitive::overlaps`] says no for each
+    /// cell. For a box of many cells, to leave them all out at once.
+    #[must_use]
+    pub fn may_overlap(&self, around: &Aabb) -> bool {
+        match self {
+            Self::Triangle(p) => overlap::triangle_nearly(p, around),
+            other => overlap::boxes(&other.bounds(), around),
+        }
+    }
+
     /// Whether its numbers are finite, its radii not negative, its corners ordered and its flags known.
     #[must_use]
     pub fn is_valid(&self) -> bool {

@@ -61,7 +61,7 @@ impl<'a> Input<'a> {
         for number in 0..self.len {
             let prim = self.prim(number);
             shape
-                .touched(&prim.bounds(), |_, _, bounds| {
+                .touched(&prim, &prim.bounds(), |_, _, bounds| {
                     listed += u32::from(prim.overlaps(bounds));
                     if listed < limit { Ok(()) } else { Err(()) }
                 })
@@ -74,7 +74,7 @@ impl<'a> Input<'a> {
     pub fn listings(&self, shape: &Shape, mut each: impl FnMut(u32, u32)) {
         for number in 0..self.len {
             let prim = self.prim(number);
-            let listed = shape.touched(&prim.bounds(), |_, cell, bounds| {
+            let listed = shape.touched(&prim, &prim.bounds(), |_, cell, bounds| {
                 if prim.overlaps(bounds) {
                     each(cell, number);
                 }

@@ -15,14 +15,20 @@ pub fn to_vec(mesh: &Mesh<'_>, config: &Config) -> Result<Vec<u8>, BuildError> {
     let input = Input::new(mesh, config)?;
     let shape = Shape::new(&input, config)?;
     let needs = Needs::of(mesh, &input, config, &shape);
-    let (mut refs, mut nodes) = (vec![Ref::zeroed(); needs.refs], vec![Node::zeroed(); needs.nodes]);
-    let (mut cells, mut slots) = (vec![0; needs.cells], vec![0; needs.slots]);
+    let (mut refs, mut nodes) = (zeroed::<Ref>(needs.refs)?, zeroed::<Node>(needs.nodes)?);
+    let (mut cells, mut slots) = (zeroed(needs.cells)?, zeroed(needs.slots)?);
     let lent = Lent { refs: &mut refs, nodes: &mut nodes, cells: &mut cells, slots: &mut slots };
     let plan = Plan::new(&input, mesh, config, &shape, lent)?;
     let needed = plan.layout.len();
-    let mut out = vec![0; needed];
+    let mut out = zeroed(needed)?;
     match plan.write(&mut out) {
         Some(_) => Ok(out),
         None => Err(BuildError::Full { what: What::Out, needed, had: out.len() }),
     }
+}
+
+/// Zeros, if an address space has room for so many: on a 32-bit machine it may not.
+fn zeroed<T: Zeroable + Clone>(n: usize) -> Result<Vec<T>, BuildError> {
+    let bytes = n.checked_mul(size_of::<T>()).and_then(|bytes| isize::try_from(bytes).ok());
+    bytes.map(|_| vec![T::zeroed(); n]).ok_or(BuildError::TooLarge)
 }

@@ -11,6 +11,8 @@ use crate::num::wide;
 pub(crate) const MARGIN: f64 = 1.0 / 4096.0;
 /// More than the relative error of any projection below, which is some 2^-48.
 const SLACK: f64 = 1.0 + 1.0 / 1_099_511_627_776.0; // 1 + 2^-40
+/// So much more than that, that a box is never ruled out which has in it one that is not.
+const MORE_SLACK: f64 = 1.0 + 1.0 / 68_719_476_736.0; // 1 + 2^-36
 
 type Wide = [f64; 3];
 
@@ -25,6 +27,16 @@ pub fn boxes(a: &Aabb, b: &Aabb) -> bool {
 /// Whether the grown triangle has a point in the cell. `false` where not even their boxes have one.
 #[must_use]
 pub fn triangle(triangle: &Triangle, cell: &Aabb) -> bool {
+    with_slack(triangle, cell, SLACK)
+}
+
+/// Whether a cell in this box may overlap the grown triangle: where this says no, [`triangle`] says no for each.
+#[must_use]
+pub fn triangle_nearly(triangle: &Triangle, around: &Aabb) -> bool {
+    with_slack(triangle, around, MORE_SLACK)
+}
+
+fn with_slack(triangle: &Triangle, cell: &Aabb, slack: f64) -> bool {
     let own = triangle.bounds();
     if !boxes(&own, cell) {
         return false;
@@ -40,7 +52,7 @@ pub fn triangle(triangle: &Triangle, cell: &Aabb) -> bool {
     let (a, b, c) = (corner(0), corner(1), corner(2));
     let (ab, bc, ca) = (minus(b, a), minus(c, b), minus(a, c));
     let normal = cross(ab, bc);
-    let apart = |axis: Wide| separates(axis, [a, b, c], half);
+    let apart = |axis: Wide| separates(axis, [a, b, c], half, slack);
     if apart(normal) {
         return false;
     }
@@ -54,9 +66,9 @@ pub fn triangle(triangle: &Triangle, cell: &Aabb) -> bool {
 }
 
 /// Whether the corners lie beyond the box's shadow on a line.
-fn separates(axis: Wide, [a, b, c]: [Wide; 3], half: Wide) -> bool {
+fn separates(axis: Wide, [a, b, c]: [Wide; 3], half: Wide, slack: f64) -> bool {
     let (a, b, c) = (dot(axis, a), dot(axis, b), dot(axis, c));
-    let reach = (half[0] * axis[0].abs() + half[1] * axis[1].abs() + half[2] * axis[2].abs()) * SLACK;
+    let reach = (half[0] * axis[0].abs() + half[1] * axis[1].abs() + half[2] * axis[2].abs()) * slack;
     let least = -greater(greater(-a, -b), -c);
     least > reach || greater(greater(a, b), c) < -reach
 }

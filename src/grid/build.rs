@@ -38,6 +38,8 @@ impl Choice {
 /// References that a primitive may have on average, by boxes, unless the caller names a resolution: a million in one
 /// place would otherwise be listed a million times.
 const MOST_LISTED: f32 = 32.0;
+/// There are fewer references than so many.
+const MOST_REFS: u32 = 1 << 28;
 
 /// A grid that is decided on but not made.
 #[derive(Clone, Copy, Debug)]
@@ -74,7 +76,7 @@ impl Plan {
         }
         let mut best: Option<(f32, [u32; 3])> = None;
         for density in choice.densities {
-            let (cost, cells, whole) = affordable(input, n * density, choice.step);
+            let (cost, cells, whole) = affordable(input, n * density, choice);
             if best.is_none_or(|(least, _)| cost < least) {
                 best = Some((cost, cells));
             }
@@ -93,7 +95,7 @@ impl Plan {
     pub(crate) fn of(input: &Input<'_>, cells: [u32; 3], most: u32) -> Result<Self, BuildError> {
         let shape = shape(&input.bounds, cells);
         let total = shape.len().filter(|&n| n < most).ok_or(BuildError::TooLarge)?;
-        let listed = input.count_listings(&shape, 1 << 28).ok_or(BuildError::TooLarge)?;
+        let listed = input.count_listings(&shape, MOST_REFS).ok_or(BuildError::TooLarge)?;
         Ok(Self { shape, cells: total, listed })
     }
 
@@ -108,14 +110,15 @@ fn shape(bounds: &Aabb, cells: [u32; 3]) -> Shape {
     Shape { lattice: Lattice::over(bounds, cells), cells, reserved: 0 }
 }
 
-/// A resolution of about `total` cells, or of fewer if they would list too much, and its expected cost; and whether it
-/// is of as many.
-fn affordable(input: &Input<'_>, mut total: f32, step: f32) -> (f32, [u32; 3], bool) {
+/// A resolution of about `total` cells, or of fewer if those are too many or would list too much, and its expected cost;
+/// and whether it is of as many.
+fn affordable(input: &Input<'_>, mut total: f32, choice: &Choice) -> (f32, [u32; 3], bool) {
     let mut whole = true;
     loop {
         let cells = resolution(&input.bounds, total, MOST_CELLS);
-        let (listed, cost) = expected(input, cells, step);
-        if listed <= float(input.len) * MOST_LISTED || cells == [1; 3] {
+        let (listed, cost) = expected(input, cells, choice.step);
+        let fits = shape(&input.bounds, cells).len().is_some_and(|n| n < choice.cells) && listed < float(MOST_REFS);
+        if (fits && listed <= float(input.len) * MOST_LISTED) || cells == [1; 3] {
             return (cost, cells, whole);
         }
         total *= 0.5;

@@ -20,16 +20,18 @@
 
 #[cfg(feature = "build")]
 pub mod build;
+pub mod touched;
 pub(crate) mod walk;
 
 use crate::blob::lists::Lists;
-use crate::blob::prims::Prims;
+use crate::blob::prims::{Primitive, Prims};
 use crate::blob::{Blob, BlobError, Rule, Section};
 use crate::geom::Aabb;
 use crate::geom::lattice::Lattice;
 use crate::num::{count, index};
 use crate::walk::Part;
 use bytemuck::{Pod, Zeroable};
+use touched::Touched;
 
 /// A grid's planes and cells, as the module's table says.
 #[repr(C)]
@@ -83,20 +85,20 @@ impl Shape {
         self.lattice.bounds(cell, cell.map(|i| i.saturating_add(1)))
     }
 
-    /// Calls `each` with place, number and box of every cell that a box touches; stops at an error.
+    /// Calls `each` with place, number and box of every cell that the box of a primitive, cut to `part`, touches, but for
+    /// those that cannot overlap it; stops at an error.
     ///
     /// # Errors
     /// The first of `each`.
-    pub fn touched<E>(&self, b: &Aabb, mut each: impl FnMut([u32; 3], u32, &Aabb) -> Result<(), E>) -> Result<(), E> {
-        let (first, last) = self.lattice.ranges(b, self.cells);
-        let [sx, sy, sz] = self.strides();
-        for x in first[0]..last[0] {
-            for y in first[1]..last[1] {
-                for z in first[2]..last[2] {
-                    let number = x.wrapping_mul(sx).wrapping_add(y.wrapping_mul(sy)).wrapping_add(z.wrapping_mul(sz));
-                    each([x, y, z], number, &self.bounds([x, y, z]))?;
-                }
-            }
+    pub fn touched<E>(
+        &self,
+        prim: &Primitive,
+        part: &Aabb,
+        mut each: impl FnMut([u32; 3], u32, &Aabb) -> Result<(), E>,
+    ) -> Result<(), E> {
+        let mut cells = Touched::new(self, part);
+        while let Some((place, number, bounds)) = cells.step(prim) {
+            each(place, number, &bounds)?;
         }
         Ok(())
     }
@@ -168,7 +170,7 @@ impl<'a> View<'a> {
         self.lists.check(prims)?;
         for slot in 0..prims.len {
             if let (Some(shape), Some(p)) = (self.shape, prims.get(slot)) {
-                shape.touched(&p.bounds(), |_, cell, bounds| self.lists.check_listed(cell, bounds, slot, prims))?;
+                shape.touched(&p, &p.bounds(), |_, cell, bounds| self.lists.check_listed(cell, bounds, slot, prims))?;
             }
         }
         Ok(0)

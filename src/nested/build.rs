@@ -274,7 +274,7 @@ fn fill_lists(starts: &mut [u32], base: u32, listed: &mut [u32], list: impl Fn(E
 fn listings(input: &Input<'_>, list: &[u32], shape: &Shape, around: &Aabb, each: Each<'_>) {
     for &number in list {
         let prim = input.prim(number);
-        let listed = shape.touched(&View::cut(&prim.bounds(), around), |_, cell, bounds| {
+        let listed = shape.touched(&prim, &View::cut(&prim.bounds(), around), |_, cell, bounds| {
             if !prim.overlaps(bounds) || each(cell, number) { Ok(()) } else { Err(()) }
         });
         if listed.is_err() {

@@ -7,41 +7,25 @@ use crate::blob::lists::Order;
 use crate::blob::prims::{Primitive, Prims};
 use crate::blob::{BlobError, Rule, Section};
 use crate::geom::Aabb;
-use crate::grid::Shape;
+use crate::grid::touched::Touched;
 use crate::num::{count, index};
 
 /// A grid that a primitive is looked for in.
 struct Visit {
-    shape: Shape,
+    cells: Touched,
     /// Its first cell.
     base: u32,
-    /// The cells that the primitive's box touches, and the next of them to look at.
-    first: [u32; 3],
-    last: [u32; 3],
-    next: [u32; 3],
 }
 
 impl Visit {
     fn new(grid: &Grid, part: &Aabb) -> Self {
-        let shape = grid.shape();
-        let (first, last) = shape.lattice.ranges(part, shape.cells);
-        Self { shape, base: grid.first, first, last, next: first }
+        Self { cells: Touched::new(&grid.shape(), part), base: grid.first }
     }
 
     /// The next cell: its number and its box.
-    fn step(&mut self) -> Option<(u32, Aabb)> {
-        let ([x, y, z], [sx, sy, sz]) = (self.next, self.shape.strides());
-        let [end_x, end_y, end_z] = self.last;
-        if x >= end_x || y >= end_y || z >= end_z {
-            return None;
-        }
-        self.next = match () {
-            () if z + 1 < end_z => [x, y, z + 1],
-            () if y + 1 < end_y => [x, y + 1, self.first[2]],
-            () => [x + 1, self.first[1], self.first[2]],
-        };
-        let number = x.wrapping_mul(sx).wrapping_add(y.wrapping_mul(sy)).wrapping_add(z.wrapping_mul(sz));
-        Some((self.base.wrapping_add(number), self.shape.bounds([x, y, z])))
+    fn step(&mut self, p: &Primitive) -> Option<(u32, Aabb)> {
+        let (_, number, bounds) = self.cells.step(p)?;
+        Some((self.base.wrapping_add(number), bounds))
     }
 }
 
@@ -133,7 +117,7 @@ impl View<'_> {
         let mut visits = heapless::Vec::<Visit, { index(MAX_LEVELS) }>::new();
         let mut visit = Visit::new(top, &own);
         loop {
-            let Some((cell, bounds)) = visit.step() else {
+            let Some((cell, bounds)) = visit.step(p) else {
                 match visits.pop() {
                     Some(around) => visit = around,
                     None => return Ok(()),

@@ -182,7 +182,7 @@ impl<'a> View<'a> {
         for slot in 0..prims.len {
             if let Some(p) = prims.get(slot) {
                 let each = |cell, number, bounds: &Aabb| voxels.check_listed((cell, number), bounds, slot, prims);
-                voxels.shape.touched(&p.bounds(), each)?;
+                voxels.shape.touched(&p, &p.bounds(), each)?;
             }
         }
         Ok(0)
