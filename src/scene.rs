@@ -3,7 +3,6 @@ use crate::blob::prims::{Primitive, Prims};
 use crate::blob::{Blob, BlobError, Kind, Rule, Section};
 use crate::geom::ray::Prepared;
 use crate::geom::{Aabb, Hit, Ray};
-use crate::num::count;
 use crate::walk::mailbox::{Mailbox, NoMailbox};
 use crate::walk::{Best, Fuel, Meter, Part, Steps, Stop, Tally};
 use crate::{bsp, bvh, grid, list, nested, octree, sphere, voxel};
@@ -29,6 +28,35 @@ enum Structure<'a> {
     Octree(octree::View<'a>),
     Bsp(bsp::View<'a>),
     Sphere(sphere::View<'a>),
+}
+
+impl<'a> Structure<'a> {
+    fn parse(blob: &Blob<'a>, kind: Kind) -> Result<Self, BlobError> {
+        Ok(match kind {
+            Kind::List => Self::List,
+            Kind::Bvh => Self::Bvh(bvh::View::parse(blob)?),
+            Kind::Grid => Self::Grid(grid::View::parse(blob)?),
+            Kind::Voxel => Self::Voxel(voxel::View::parse(blob)?),
+            Kind::Nested => Self::Nested(nested::View::parse(blob)?),
+            Kind::Octree => Self::Octree(octree::View::parse(blob)?),
+            Kind::Bsp => Self::Bsp(bsp::View::parse(blob)?),
+            Kind::Sphere => Self::Sphere(sphere::View::parse(blob)?),
+        })
+    }
+
+    /// Most steps of a walk.
+    fn steps(&self, prims: &Prims<'_>) -> u32 {
+        match self {
+            Self::List => prims.len,
+            Self::Bvh(view) => view.steps(prims),
+            Self::Grid(view) => view.steps(),
+            Self::Voxel(view) => view.steps(),
+            Self::Nested(view) => view.steps(),
+            Self::Octree(view) => view.steps(),
+            Self::Bsp(view) => view.steps(),
+            Self::Sphere(view) => view.steps(prims),
+        }
+    }
 }
 
 /// A scene read in place: it borrows the blob, owns nothing, and can be copied.
@@ -91,37 +119,8 @@ impl<'a> Scene<'a> {
         let header = blob.header();
         let kind = header.kind().ok_or(BlobError::new(Rule::KindKnown, Section::Header))?;
         let prims = Prims::parse(blob)?;
-        let (structure, fuel) = match kind {
-            Kind::List => (Structure::List, prims.len),
-            Kind::Bvh => {
-                let view = bvh::View::parse(blob)?;
-                (Structure::Bvh(view), count(view.nodes.len()).saturating_add(prims.len))
-            }
-            Kind::Grid => {
-                let view = grid::View::parse(blob)?;
-                (Structure::Grid(view), view.steps())
-            }
-            Kind::Voxel => {
-                let view = voxel::View::parse(blob)?;
-                (Structure::Voxel(view), view.steps())
-            }
-            Kind::Nested => {
-                let view = nested::View::parse(blob)?;
-                (Structure::Nested(view), view.steps())
-            }
-            Kind::Octree => {
-                let view = octree::View::parse(blob)?;
-                (Structure::Octree(view), view.steps())
-            }
-            Kind::Bsp => {
-                let view = bsp::View::parse(blob)?;
-                (Structure::Bsp(view), view.steps())
-            }
-            Kind::Sphere => {
-                let view = sphere::View::parse(blob)?;
-                (Structure::Sphere(view), view.steps(&prims))
-            }
-        };
+        let structure = Structure::parse(blob, kind)?;
+        let fuel = structure.steps(&prims);
         if header.steps != fuel {
             return Err(BlobError::new(Rule::StepsTrue, Section::Header).found(header.steps).needed(fuel));
         }

@@ -28,7 +28,7 @@ pub use walk::walk;
 use crate::blob::prims::Prims;
 use crate::blob::{Blob, BlobError, Rule, Section};
 use crate::geom::Aabb;
-use crate::num::index;
+use crate::num::{count, index};
 use crate::walk::Part;
 use bytemuck::{Pod, Zeroable};
 use tree::{Branch, Proof, Step};
@@ -179,6 +179,12 @@ impl<'a> View<'a> {
     /// The rule, if it is broken.
     pub fn parse(blob: &Blob<'a>) -> Result<Self, BlobError> {
         Ok(Self { nodes: blob.section(Section::BvhNodes)? })
+    }
+
+    /// Most steps of a walk: every node, and every primitive.
+    #[must_use]
+    pub const fn steps(&self, prims: &Prims<'_>) -> u32 {
+        count(self.nodes.len()).saturating_add(prims.len)
     }
 
     /// Calls `each` with every inner node and every leaf, a node before what is below it.
