@@ -37,10 +37,9 @@ fn assert_whole(facts: &Value, scene: &str, primitives: u64) {
             positive(row, &format!("/mrays_per_second/{kind}"));
             positive(row, &format!("/mrays_per_second_in_groups/{kind}"));
             positive(row, &format!("/over_list/{kind}"));
-            if kind != "shadow" {
-                for count in ["steps_per_ray", "tests_per_ray", "spared_per_ray"] {
-                    assert!(row[count][kind].is_f64(), "{count} {kind}: {row}");
-                }
+            for count in ["steps_per_ray", "tests_per_ray", "spared_per_ray"] {
+                let counted = kind != "shadow" || count != "spared_per_ray";
+                assert_eq!(row[count][kind].is_f64(), counted, "{count} {kind}: {row}");
             }
         }
     }
@@ -49,6 +48,9 @@ fn assert_whole(facts: &Value, scene: &str, primitives: u64) {
         (&list["tests_per_ray"]["all"], &list["steps_per_ray"]["all"]),
         (&(primitives as f64).into(), &0.0.into())
     );
+    // A shadow ray in the list stops at the first hit, so it needs no more tests than there are primitives.
+    assert!(list["tests_per_ray"]["shadow"].as_f64().is_some_and(|tests| 1.0 <= tests && tests <= primitives as f64));
+    assert_eq!(list["steps_per_ray"]["shadow"], 0.0);
     assert_eq!(list["over_list"]["camera"], 1.0);
 }
 

@@ -116,20 +116,28 @@ impl Truth {
     }
 }
 
-/// Adds steps and tests per ray, and tests that a mailbox spares. Counted for closest hits: any-hit walks stop early.
+/// Adds steps and tests per ray of each kind, and tests that a mailbox spares: there is none for any hit. `all` is over
+/// the rays that ask for the closest hit, since how early the others stop is a matter of the order of the primitives.
 pub fn count(facts: &mut Value, scene: &Scene<'_>, rays: &Rays) {
     let add = |a: [u64; 3], b: [u64; 3]| [a[0] + b[0], a[1] + b[1], a[2] + b[2]];
-    let of = |ray: &Ray| {
+    let any = |ray: &Ray| {
+        let steps = scene.any_hit_counted(ray).1;
+        [steps.nodes, steps.prims, 0].map(u64::from)
+    };
+    let closest = |ray: &Ray| {
         let plain: Steps = scene.closest_hit_counted(ray).1;
         let mailed = scene.closest_hit_mailed(ray, &mut Last8::default()).1;
         [plain.nodes, plain.prims, mailed.spared].map(u64::from)
     };
     let names = ["steps_per_ray", "tests_per_ray", "spared_per_ray"];
     let (mut sums, mut counted) = ([0; 3], 0);
-    for (kind, rays) in KINDS.iter().zip(&rays.kinds).filter(|(kind, _)| **kind != KINDS[SHADOW]) {
+    for (i, (kind, rays)) in KINDS.iter().zip(&rays.kinds).enumerate() {
+        let of = |ray| if i == SHADOW { any(ray) } else { closest(ray) };
         let sum = rays.par_iter().map(of).reduce(|| [0; 3], add);
-        (sums, counted) = (add(sums, sum), counted + rays.len());
-        for (name, sum) in names.iter().zip(sum) {
+        if i != SHADOW {
+            (sums, counted) = (add(sums, sum), counted + rays.len());
+        }
+        for (name, sum) in names.iter().zip(sum).filter(|(name, _)| i != SHADOW || **name != names[2]) {
             facts[name][kind] = json!((!rays.is_empty()).then(|| sum as f64 / rays.len() as f64));
         }
     }

@@ -1,7 +1,7 @@
 //! The page: tables, plots and slice pictures in one file that needs no other.
 use super::chart::Chart;
 use super::picture::Picture;
-use super::rays::{KINDS, SHADOW};
+use super::rays::KINDS;
 use super::table::{self, Column, TABLES};
 use serde_json::Value;
 use std::fmt::Write as _;
@@ -80,8 +80,6 @@ fn html_table(title: &str, rows: &[Value], columns: &[Column]) -> String {
 
 /// Speed, bytes, steps and tests. The list's steps and tests would dwarf the others'.
 fn charts(rows: &[Value]) -> [Chart<'static>; 4] {
-    const CLOSEST: [&str; 3] = [KINDS[0], KINDS[1], KINDS[3]];
-    const { assert!(SHADOW == 2) };
     let without_list: Vec<&Value> = rows.iter().filter(|row| row["kind"] != "list").collect();
     let pick = |rows: &[&Value], name: &str, keys: &[&str]| -> Vec<(String, Vec<Option<f64>>)> {
         rows.iter().map(|row| (table::label(row), keys.iter().map(|key| row[name][key].as_f64()).collect())).collect()
@@ -94,8 +92,8 @@ fn charts(rows: &[Value]) -> [Chart<'static>; 4] {
     let chart = |title, unit, series, rows, stacked, decimals| Chart { title, unit, series, rows, stacked, decimals };
     let speed = pick(&all, "mrays_per_second", &KINDS);
     let bytes = rows.iter().map(bytes).collect();
-    let steps = pick(&without_list, "steps_per_ray", &CLOSEST);
-    let tests = pick(&without_list, "tests_per_ray", &CLOSEST);
+    let steps = pick(&without_list, "steps_per_ray", &KINDS);
+    let tests = pick(&without_list, "tests_per_ray", &KINDS);
     [
         chart("Speed (more is better)", "millions of rays a second, one by one, one thread", &KINDS, speed, false, 2),
         chart(
@@ -106,7 +104,7 @@ fn charts(rows: &[Value]) -> [Chart<'static>; 4] {
             true,
             1,
         ),
-        chart("Steps (less is better)", "nodes and cells visited per ray", &CLOSEST, steps, false, 1),
-        chart("Tests (less is better; the list tests all)", "primitives tested per ray", &CLOSEST, tests, false, 1),
+        chart("Steps (less is better)", "nodes and cells visited per ray", &KINDS, steps, false, 1),
+        chart("Tests (less is better; the list tests all)", "primitives tested per ray", &KINDS, tests, false, 1),
     ]
 }

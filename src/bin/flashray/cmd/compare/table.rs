@@ -26,12 +26,14 @@ const SIZES: [Column; 10] = [
 ];
 
 /// What rays do.
-const WORK: [Column; 10] = [
+const WORK: [Column; 12] = [
     Column("steps", "camera", 2, 1.0, "/steps_per_ray/camera"),
     Column("steps", "diffuse", 2, 1.0, "/steps_per_ray/diffuse"),
+    Column("steps", "shadow", 2, 1.0, "/steps_per_ray/shadow"),
     Column("steps", "chord", 2, 1.0, "/steps_per_ray/chord"),
     Column("tests", "camera", 2, 1.0, "/tests_per_ray/camera"),
     Column("tests", "diffuse", 2, 1.0, "/tests_per_ray/diffuse"),
+    Column("tests", "shadow", 2, 1.0, "/tests_per_ray/shadow"),
     Column("tests", "chord", 2, 1.0, "/tests_per_ray/chord"),
     Column("spared", "camera", 2, 1.0, "/spared_per_ray/camera"),
     Column("spared", "diffuse", 2, 1.0, "/spared_per_ray/diffuse"),
@@ -100,8 +102,8 @@ pub const LEGEND: &str = "bytes: nodes are nodes and cells, lists say which prim
     blob. refs: how often a primitive is listed. steps: nodes or cells that a ray visits; tests: primitives that it is \
     tested against; spared: those of the tests that a mailbox of 8 avoids, since the ray met the primitive in a cell \
     before. Camera rays start at a camera, diffuse and shadow rays where those hit, chords run between points on a \
-    sphere around all. Shadow rays ask for any hit, the others for the closest; work is counted for the latter. \
-    Mrays/s: millions of rays a second, medians; groups are of 64 rays. times the list: one by one.";
+    sphere around all. Shadow rays ask for any hit, so they stop at the first they find, and take no mailbox; the others \
+    ask for the closest. Mrays/s: millions of rays a second, medians; groups are of 64 rays. times the list: one by one.";
 
 /// The tables as text.
 pub fn report(facts: &Value) -> String {
