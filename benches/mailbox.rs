@@ -1,5 +1,5 @@
-//! What mailboxes save in a grid: for each input the tests a ray, the tests spared, and the time a ray, with no mailbox,
-//! with the last 8 slots, and with a word per primitive.
+//! What mailboxes save in a grid: for each input the tests a ray, the tests spared, and the time a ray, with no
+//! mailbox, with the last 8 slots, and with a word per primitive.
 //!
 //!     cargo bench --features cli --bench mailbox [-- IN..]
 //!

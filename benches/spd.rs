@@ -4,16 +4,16 @@
 //!     cargo bench --features cli --bench spd [-- [--every=N] SCENE ..]
 //!     cargo bench --features cli --bench spd -- [--every=N] --docs
 //!
-//! SCENE is `balls`, or `balls:2` for another size. With `--docs` the tables go into docs/structures.md. `--every=N` counts
-//! on every Nth ray, for the impatient. Nothing is timed: the counts are the same on every machine. Every structure must
-//! answer every ray that it is counted on with the bvh's bits, or the program fails.
+//! SCENE is `balls`, or `balls:2` for another size. With `--docs` the tables go into docs/structures.md. `--every=N`
+//! counts on every Nth ray, for the impatient. Nothing is timed: the counts are the same on every machine. Every
+//! structure must answer every ray that it is counted on with the bvh's bits, or the program fails.
 //!
 //! The study is Havran, *Heuristic Ray Shooting Algorithms* (2000). Its rays are those of the SPD's testing procedures:
 //! 513 x 513 eye rays, reflected and refracted rays up to depth 5, one shadow ray for each light that the surface hit
 //! faces (see `whitted.rs`). What can not be the same:
 //!
-//! - Objects are the study's but for polygons: here a gear's face is 142 triangles and every quadrilateral 2, so `gears`
-//!   has 36,610 objects for 9,345, `teapot` 9,408 for 9,264.
+//! - Objects are the study's but for polygons: here a gear's face is 142 triangles and every quadrilateral 2, so
+//!   `gears` has 36,610 objects for 9,345, `teapot` 9,408 for 9,264.
 //! - Surfaces face as their flat triangles do. The teapot's vertex normals, which bend its reflections, are not used.
 //! - Cells here are cubes. So are the study's but for `tree`, whose box is 32 times as wide as it is high: 60 cells on
 //!   each axis there, as many in 190 x 190 x 6 here.

@@ -1,9 +1,9 @@
-//! The rays of a classical ray tracer on the SPD scenes (Whitted, CACM 23(6), 1980), after the testing procedures in the
-//! README of the SPD's version 3.12, points 6 to 10.
+//! The rays of a classical ray tracer on the SPD scenes (Whitted, CACM 23(6), 1980), after the testing procedures in
+//! the README of the SPD's version 3.12, points 6 to 10.
 //!
-//! Rays through the pixel corners have depth 1 and rays of depth 5 spawn none. Every hit sends one ray to each light that
-//! the surface faces. A hit on a mirror or on glass spawns a reflected ray, a hit on glass a refracted one too, by Snell's
-//! law, unless reflection is total. No ray is left out for being dim.
+//! Rays through the pixel corners have depth 1 and rays of depth 5 spawn none. Every hit sends one ray to each light
+//! that the surface faces. A hit on a mirror or on glass spawns a reflected ray, a hit on glass a refracted one too, by
+//! Snell's law, unless reflection is total. No ray is left out for being dim.
 use crate::camera::{Vec3, add_scaled, dot, sub, unit};
 use crate::normal::normal_at;
 use crate::spd::Spd;
@@ -61,9 +61,9 @@ impl Rays {
         let leaves = dot(outward, ray.dir) > 0.0;
         let facing = if leaves { outward.map(|x| -x) } else { outward };
         let surface = surface(world.spd, hit.prim, &primitive);
-        // Glass has an inner side, which no light is seen from; the others are seen from both sides. (With glass seen from
-        // both sides too, the shadow rays of gears and mount are those of the SPD's README, and 4 to 6 % more in all
-        // than the study's.)
+        // Glass has an inner side, which no light is seen from; the others are seen from both sides. (With glass seen
+        // from both sides too, the shadow rays of gears and mount are those of the SPD's README, and 4 to 6 % more in
+        // all than the study's.)
         let lit = if surface.glass.is_some() { outward } else { facing };
         for &light in &world.lights {
             if dot(lit, sub(light, point)) > 0.0 {

@@ -30,11 +30,11 @@
 //! ```
 //!
 //! # Reading order
-//! [`geom`] states the contract that every answer keeps, and holds the tests of a ray against one primitive. [`blob`] is
-//! the container and its checks. [`walk`] is what all walks share. The structures: [`list`], the oracle; [`bvh`] and
-//! [`sphere`], which part the primitives; [`grid`], [`voxel`], [`nested`], [`octree`] and [`bsp`], which part space. Of each,
-//! layout and check are in `mod.rs`, the loop in `walk.rs` and the builder in `build`. [`Scene`] joins them. [`mod@build`]
-//! is the way from a mesh to a blob.
+//! [`geom`] states the contract that every answer keeps, and holds the tests of a ray against one primitive. [`blob`]
+//! is the container and its checks. [`walk`] is what all walks share. The structures: [`list`], the oracle; [`bvh`] and
+//! [`sphere`], which part the primitives; [`grid`], [`voxel`], [`nested`], [`octree`] and [`bsp`], which part space. Of
+//! each, layout and check are in `mod.rs`, the loop in `walk.rs` and the builder in `build`. [`Scene`] joins them.
+//! [`mod@build`] is the way from a mesh to a blob.
 //!
 //! # Features
 //! - `std` (default): the host's own square root. No query needs it, and no answer depends on it.

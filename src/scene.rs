@@ -240,7 +240,8 @@ impl<'a> Scene<'a> {
         self.query::<false>(ray, meter, mailbox)
     }
 
-    /// [`Scene::closest_hit`] for many rays: `hits[i]` becomes the answer to `rays[i]`. Of two lengths the lesser counts.
+    /// [`Scene::closest_hit`] for many rays: `hits[i]` becomes the answer to `rays[i]`. Of two lengths the lesser
+    /// counts.
     pub fn closest_hits(&self, rays: &[Ray], hits: &mut [Option<Hit>]) {
         for (ray, hit) in rays.iter().zip(hits) {
             *hit = self.closest_hit(ray);

@@ -113,7 +113,8 @@ fn a_local_origin_moves_the_scene_and_not_the_answers() {
 }
 
 proptest::proptest! {
-    // Small whole numbers make what random floats never do: shared vertices, flat boxes, rays in planes and along edges.
+    // Small whole numbers make what random floats never do: shared vertices, flat boxes, rays in planes and along
+    // edges.
     #[test]
     fn any_small_soup(
         corners in proptest::collection::vec(proptest::array::uniform3(-3i8..4), 3..24),

@@ -142,8 +142,8 @@ struct Whole {
     dir: [i64; 3],
 }
 
-/// Calls `each` with every cell of `0..n` that the line `t >= 0` crosses, in order, and whether its chord is longer than
-/// a thousandth of a cell. Planes are at whole numbers, so a crossing is a fraction, and fractions are compared by
+/// Calls `each` with every cell of `0..n` that the line `t >= 0` crosses, in order, and whether its chord is longer
+/// than a thousandth of a cell. Planes are at whole numbers, so a crossing is a fraction, and fractions are compared by
 /// cross multiplication.
 fn exact(ray: Whole, n: i64, mut each: impl FnMut([u32; 3], bool)) {
     let Whole { from, dir } = ray;

@@ -9,8 +9,8 @@ use flashray::blob::Buffer;
 
 /// Most flips of one run.
 const FLIPS: usize = 8;
-/// CRC-32 finds any three flipped bits in blobs up to this length: its Hamming distance is 4 up to 91607 bits. In longer
-/// ones it finds any two: a word repeats after 2^32 - 1 bits, for the polynomial is primitive.
+/// CRC-32 finds any three flipped bits in blobs up to this length: its Hamming distance is 4 up to 91607 bits. In
+/// longer ones it finds any two: a word repeats after 2^32 - 1 bits, for the polynomial is primitive.
 const SURE: usize = 11_000;
 
 /// One run.

@@ -2,8 +2,8 @@
 //!
 //! Data: a mode, two rays, the rest. By mode the rest is a blob as it is; a blob whose magic, version, length and
 //! checksum are put right; or the contents of sections, under a header and a table that fit them: flags, the structure
-//! by its place among `KINDS`, five counts of primitives, perhaps bounds, the primitives, perhaps references and numbers;
-//! then for each section of the structure's own its length in words (2 bytes) and its bytes.
+//! by its place among `KINDS`, five counts of primitives, perhaps bounds, the primitives, perhaps references and
+//! numbers; then for each section of the structure's own its length in words (2 bytes) and its bytes.
 use crate::judge::{Judge, survive};
 use crate::rays::{Spec, specs};
 use crate::seal;

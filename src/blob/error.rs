@@ -237,7 +237,8 @@ impl Section {
 /// use flashray::{Scene, blob::Rule};
 /// let error = Scene::from_bytes(&[]).unwrap_err();
 /// assert_eq!(error.rule, Rule::Size);
-/// assert_eq!(error.to_string(), "rule 1, header: the bytes hold a whole header and section table (found 0, needed 80)");
+/// let text = "rule 1, header: the bytes hold a whole header and section table (found 0, needed 80)";
+/// assert_eq!(error.to_string(), text);
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct BlobError {

@@ -1,7 +1,8 @@
 //! Lists of slots, one per cell, as the structures that part space have them.
 //!
-//! `starts[c] .. starts[c + 1]` is the list of cell `c`. Slots are numbered in the order in which they are first listed,
-//! so one pass with a counter proves that each is, and each list ascends, so that a slot is found in it by halving.
+//! `starts[c] .. starts[c + 1]` is the list of cell `c`. Slots are numbered in the order in which they are first
+//! listed, so one pass with a counter proves that each is, and each list ascends, so that a slot is found in it by
+//! halving.
 use super::prims::Prims;
 use super::{Blob, BlobError, Rule, Section};
 use crate::geom::Aabb;

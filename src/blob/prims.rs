@@ -1,9 +1,9 @@
 //! The primitives of a blob, in *slots*: the order in which the structure wants them.
 //!
-//! Each kind has a section of its own. Where all are triangles, slot `i` is triangle `i`. Otherwise `refs[i]` says which
-//! primitive stands there: the kind in the upper 3 bits (0 triangle, 1 sphere, 2 box, 3 cylinder, 4 cone), its place in
-//! its section in the lower 29. For example `0x4000_0002` is box 2. References run through each section in order, so
-//! one pass with five counters proves that each primitive is referred to once.
+//! Each kind has a section of its own. Where all are triangles, slot `i` is triangle `i`. Otherwise `refs[i]` says
+//! which primitive stands there: the kind in the upper 3 bits (0 triangle, 1 sphere, 2 box, 3 cylinder, 4 cone), its
+//! place in its section in the lower 29. For example `0x4000_0002` is box 2. References run through each section in
+//! order, so one pass with five counters proves that each primitive is referred to once.
 //!
 //! `ids[i]` is the caller's number of the primitive in slot `i`; without that section it is `i`.
 use super::{Blob, BlobError, Rule, Section};

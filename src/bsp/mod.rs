@@ -2,11 +2,13 @@
 //!
 //! A plane parts the box of a node in two, and so on down to leaves that list the primitives with a part in them
 //! (Kaplan, "Space-Tracing: A Constant Time Ray-Tracer", SIGGRAPH 1985 course notes; with the surface-area heuristic
-//! `MacDonald` and Booth, "Heuristics for ray tracing using space subdivision", The Visual Computer 6, 1990). A node is a plane and a number: 8 bytes,
-//! whatever it parts. Boxes are not stored: the root's is the header's, the others follow from the planes.
+//! `MacDonald` and Booth, "Heuristics for ray tracing using space subdivision", The Visual Computer 6, 1990). A node is
+//! a plane and a number: 8 bytes, whatever it parts. Boxes are not stored: the root's is the header's, the others
+//! follow from the planes.
 //!
 //! Choose it where a small stack and small nodes count and rays come one at a time: leaves are met in the order of the
-//! ray, so the first hit mostly ends the walk. A primitive is listed in several leaves, and may be tested more than once.
+//! ray, so the first hit mostly ends the walk. A primitive is listed in several leaves, and may be tested more than
+//! once.
 //!
 //! # A node: 8 bytes
 //! | offset | size | field | meaning |

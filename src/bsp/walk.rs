@@ -1,11 +1,11 @@
 //! The walk: front to back, the side that the ray comes from first.
 //!
-//! A node has the interval of `t` in which the ray is inside its box, padded as the slab test pads it. The plane ends it
-//! for the nearer side at its farther distance and begins it for the other at its nearer one, so both intervals are
+//! A node has the interval of `t` in which the ray is inside its box, padded as the slab test pads it. The plane ends
+//! it for the nearer side at its farther distance and begins it for the other at its nearer one, so both intervals are
 //! those of the slab test on the two boxes (Sung and Shirley, "Ray Tracing with the BSP Tree", Graphics Gems III, 1992;
-//! Havran's case analysis of 2000 becomes needless, because the pad decides all ties). A side is visited if its interval
-//! is not empty. A hit beyond its leaf is kept as the best so far; a side that begins beyond the best is dropped, one
-//! that begins at it is not, because a primitive there may have the lesser number.
+//! Havran's case analysis of 2000 becomes needless, because the pad decides all ties). A side is visited if its
+//! interval is not empty. A hit beyond its leaf is kept as the best so far; a side that begins beyond the best is
+//! dropped, one that begins at it is not, because a primitive there may have the lesser number.
 use super::{LEAF, View};
 use crate::blob::MAX_STACK;
 use crate::blob::prims::Prims;

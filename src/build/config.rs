@@ -36,8 +36,8 @@ pub struct Config {
     pub leaf: u32,
     /// How many times every subtree is taken out and put where it costs least, after [`Rule::Sah`]: 0 builds fastest.
     pub reinsert: u32,
-    /// Cells along the longest side of a grid, of voxels or of the outermost of nested grids, at most 1024; 0 leaves it to
-    /// the rule. Where the scene is a cube a grid has too many from 646 on ([`BuildError::TooLarge`]).
+    /// Cells along the longest side of a grid, of voxels or of the outermost of nested grids, at most 1024; 0 leaves it
+    /// to the rule. Where the scene is a cube a grid has too many from 646 on ([`BuildError::TooLarge`]).
     pub cells: u32,
     /// Subtracted from every coordinate before it is stored, and from every ray's origin: for scenes far from 0.
     pub local: [f32; 3],

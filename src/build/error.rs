@@ -39,14 +39,15 @@ pub enum BuildError {
         /// How many vertices there are.
         vertices: usize,
     },
-    /// A primitive has a NaN or infinite number, a negative radius, a box with `min > max`, or an unknown flag; or it goes
-    /// beyond 2^126 along an axis, counted from the local origin.
+    /// A primitive has a NaN or infinite number, a negative radius, a box with `min > max`, or an unknown flag; or it
+    /// goes beyond 2^126 along an axis, counted from the local origin.
     Primitive {
         /// Its number.
         prim: u32,
     },
-    /// There are 2^28 primitives or more, or the blob would be 4 GiB or longer; or a grid of the resolution asked for would
-    /// have 2^28 cells or references or more (of voxels, 2^32 cells; with [`Rule::Seed`](super::Rule::Seed) 2^31).
+    /// There are 2^28 primitives or more, or the blob would be 4 GiB or longer; or a grid of the resolution asked for
+    /// would have 2^28 cells or references or more (of voxels, 2^32 cells; with [`Rule::Seed`](super::Rule::Seed)
+    /// 2^31).
     TooLarge,
     /// The leaf size is not from 1 to 15.
     Leaf {

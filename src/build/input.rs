@@ -5,8 +5,8 @@ use crate::geom::vec::Vec3;
 use crate::geom::{Aabb, Triangle};
 use crate::grid::Shape;
 
-/// Primitives reach no farther than this from the local origin, along each axis. So the extent of a scene is a number, and
-/// so are all planes of a structure that parts it.
+/// Primitives reach no farther than this from the local origin, along each axis. So the extent of a scene is a number,
+/// and so are all planes of a structure that parts it.
 const REACH: f32 = 85_070_591_730_234_615_865_843_651_857_942_052_864.0; // 2^126
 
 /// A checked mesh relative to its local origin.
@@ -55,7 +55,8 @@ impl<'a> Input<'a> {
         self.mesh.get(number, self.local).unwrap_or((0, Primitive::Triangle(Triangle { v: [[0.0; 3]; 3] })))
     }
 
-    /// How many cells of a grid each primitive has a part in, summed up; `None` from `limit` on, without counting further.
+    /// How many cells of a grid each primitive has a part in, summed up; `None` from `limit` on, without counting
+    /// further.
     pub fn count_listings(&self, shape: &Shape, limit: u32) -> Option<u32> {
         let mut listed = 0;
         for number in 0..self.len {

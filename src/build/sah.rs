@@ -1,8 +1,9 @@
 //! Choosing where to split a run of primitives.
 //!
 //! The surface-area heuristic (Goldsmith and Salmon, "Automatic Creation of Object Hierarchies for Ray Tracing", IEEE
-//! Computer Graphics and Applications 7(5), 1987): a ray that meets a box meets a box inside it with the share of their areas. All `n - 1` splits along each
-//! axis are weighed by one sweep from each end over the primitives sorted by centre.
+//! Computer Graphics and Applications 7(5), 1987): a ray that meets a box meets a box inside it with the share of their
+//! areas. All `n - 1` splits along each axis are weighed by one sweep from each end over the primitives sorted by
+//! centre.
 use super::Ref;
 use crate::geom::Aabb;
 use crate::geom::vec::{size, sub};

@@ -55,7 +55,8 @@ pub(crate) trait Proof {
     fn leaf(&self, slots: (u32, u32), way: &[Step]) -> Result<(), BlobError>;
 }
 
-/// One pass through nodes in walk order, O(n): rules 20, 21 and what `proof` adds. Returns the deepest stack of any walk.
+/// One pass through nodes in walk order, O(n): rules 20, 21 and what `proof` adds. Returns the deepest stack of any
+/// walk.
 ///
 /// A child that is a node must have the number that follows all nodes met before it, and a leaf must start at the slot
 /// that follows all slots met before it. So no node has two parents, there is no cycle, and nothing is left out.

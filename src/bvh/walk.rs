@@ -38,8 +38,8 @@ impl Rows {
 
 /// What a walk asks of a node, once prepared for a ray.
 pub(crate) trait Test<N> {
-    /// An interval of `t` that holds every hit below child `C` from the ray's `t_min` to `t_max`; empty, its first number
-    /// greater than its second, if there is none. Neither number is NaN.
+    /// An interval of `t` that holds every hit below child `C` from the ray's `t_min` to `t_max`; empty, its first
+    /// number greater than its second, if there is none. Neither number is NaN.
     fn interval<const C: usize>(&self, node: &N, ray: &Prepared, t_max: f32) -> (f32, f32);
 }
 
@@ -59,7 +59,8 @@ impl Test<Node> for Rows {
 /// [`Stop`] if the meter runs out or the bytes contradict themselves.
 // On a host out of line: inlined, the loop shares the registers with whatever surrounds the query, and was 5 to 12 %
 // slower for every kind of ray. On Cortex-M4F it is inlined: out of line it takes 2 % more instructions and 300 bytes
-// more stack. And written out, though [`descend`] is the same loop: through that, rays in a kitchen took 15 to 35 % longer.
+// more stack. And written out, though [`descend`] is the same loop: through that, rays in a kitchen took 15 to 35 %
+// longer.
 #[cfg_attr(feature = "std", inline(never))]
 #[cfg_attr(not(feature = "std"), inline)]
 pub fn walk<const ANY: bool>(

@@ -16,11 +16,11 @@
 //!    `2u |v - o|` (the difference and its rounding) plus `5u |S (v - o)_z|` (two roundings of the shear constant, the
 //!    difference, the product, the sum), with `u = 2^-24` and `|S| <= 1`. That is below `7u E`, for `E` the largest
 //!    distance, per axis, from the origin to the far side of the scene's bounds. The slab's own three roundings add
-//!    `3u E`; rule 6 needs another `10u E`. The pad is `32u E`, plus `2u |o|` so that adding it to the origin survives rounding, plus the least
-//!    normal number for scenes so small that products underflow. This holds while `v - o` and `S (v - o)` do not
-//!    overflow: coordinates and origins up to 1e37 in size, directions up to 2^126, and `t` within f32. The tests go
-//!    from 1e-42 to 1e30. Beyond that range answers are still the same everywhere, and still those of the list, but a
-//!    crossing may be lost.
+//!    `3u E`; rule 6 needs another `10u E`. The pad is `32u E`, plus `2u |o|` so that adding it to the origin survives
+//!    rounding, plus the least normal number for scenes so small that products underflow. This holds while `v - o` and
+//!    `S (v - o)` do not overflow: coordinates and origins up to 1e37 in size, directions up to 2^126, and `t` within
+//!    f32. The tests go from 1e-42 to 1e30. Beyond that range answers are still the same everywhere, and still those of
+//!    the list, but a crossing may be lost.
 //! 5. Only `+ - * /` and square root reach a result, in the order written, never contracted. Minimum and maximum are
 //!    compare-and-select, in an order that says what becomes of a NaN.
 //!

@@ -1,8 +1,9 @@
 //! Whether a primitive has a part in a cell.
 //!
 //! Used by builders to list primitives in cells and by checks to prove that none is missing, so both decide alike. The
-//! answer errs on the side of yes. For a triangle: thirteen separating axes (Akenine-Moeller, "Fast 3D Triangle-Box Overlap Testing", journal of graphics tools 6(1), 2001), in f64, with the triangle grown by a share of its
-//! own extent that covers the error of the distance at which it is met (rule 6 of [`super`]).
+//! answer errs on the side of yes. For a triangle: thirteen separating axes (Akenine-Moeller, "Fast 3D Triangle-Box
+//! Overlap Testing", journal of graphics tools 6(1), 2001), in f64, with the triangle grown by a share of its own
+//! extent that covers the error of the distance at which it is met (rule 6 of [`super`]).
 use super::aabb::Aabb;
 use super::triangle::Triangle;
 use crate::num::wide;

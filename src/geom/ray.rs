@@ -81,7 +81,8 @@ impl Axis {
     }
 }
 
-/// Pad of the slab test as a share of the distance to the far side of the scene: 32 half-ulps. See [`super`], rules 4, 6.
+/// Pad of the slab test as a share of the distance to the far side of the scene: 32 half-ulps. See
+/// [`super`], rules 4 and 6.
 const PAD: f32 = 32.0 / 16_777_216.0;
 /// Share of the origin's own size, so that the pad survives the rounding of `origin + pad`: 2 half-ulps.
 const ORIGIN_PAD: f32 = 2.0 / 16_777_216.0;

@@ -1,4 +1,5 @@
-//! The square root: one instruction where the target has it, `libm`'s elsewhere. All are correctly rounded, so all agree.
+//! The square root: one instruction where the target has it, `libm`'s elsewhere. All are correctly rounded, so all
+//! agree.
 
 /// The square root of `x`; NaN below 0.
 #[inline(always)]

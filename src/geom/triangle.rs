@@ -101,7 +101,8 @@ impl Triangle {
         let ((wa, sa), (wb, sb), (wc, sc)) = (b.edge(c), c.edge(a), a.edge(b));
         let low = least(least(wa, wb), wc);
         let high = most(most(wa, wb), wc);
-        // Both are weights or NaN, and no NaN passes these tests: so even after an overflow some sign differs from another.
+        // Both are weights or NaN, and no NaN passes these tests: so even after an overflow some sign differs from
+        // another.
         if low < 0.0 && high > 0.0 {
             return None;
         }

@@ -2,8 +2,9 @@
 //!
 //! `Rule::Seed` takes one cell a primitive. `Rule::Sah` tries several densities and keeps the one of least expected
 //! cost: a random line that meets the scene meets a cell with the share of their areas, so the expected numbers of
-//! steps and tests are sums over cells (`MacDonald` and Booth, "Heuristics for ray tracing using space subdivision", The
-//! Visual Computer 6, 1990). Cells along an axis follow the sides of the box (Woo; [`crate::geom::lattice::resolution`]).
+//! steps and tests are sums over cells (`MacDonald` and Booth, "Heuristics for ray tracing using space subdivision",
+//! The Visual Computer 6, 1990). Cells along an axis follow the sides of the box (Woo;
+//! [`crate::geom::lattice::resolution`]).
 //!
 //! Memory: 10 words for the shape, one a cell and one more, one a reference; counted before it is asked for.
 use super::Shape;

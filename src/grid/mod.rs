@@ -1,9 +1,9 @@
 //! Uniform grid.
 //!
 //! The box around the scene is parted into cells of one size, and each cell lists the primitives that have a part in it
-//! (Fujimoto, Tanaka and Iwata, "ARTS: Accelerated Ray-Tracing System", IEEE CG&A 6(4), 1986). A ray goes from cell to cell
-//! ([`crate::walk::dda`]). Lists stand end to end in one array, found by one offset per cell: the compact grid of Lagae and Dutre, "Compact,
-//! Fast and Robust Grids for Ray Tracing", CGF 27(4), 2008.
+//! (Fujimoto, Tanaka and Iwata, "ARTS: Accelerated Ray-Tracing System", IEEE CG&A 6(4), 1986). A ray goes from cell to
+//! cell ([`crate::walk::dda`]). Lists stand end to end in one array, found by one offset per cell: the compact grid of
+//! Lagae and Dutre, "Compact, Fast and Robust Grids for Ray Tracing", CGF 27(4), 2008.
 //!
 //! Choose it for primitives of one size spread evenly. It does not adapt: a small busy part of a large scene falls into
 //! a few cells. It costs 4 bytes a cell and 4 a reference, and no stack.

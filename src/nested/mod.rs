@@ -1,8 +1,8 @@
 //! Hierarchy of grids.
 //!
-//! A grid over the scene, and in a cell of many primitives another grid just large enough for what they have in the cell
-//! (Jevans and Wyvill, "Adaptive voxel subdivision for ray tracing", Graphics Interface 1989). A ray goes from cell to
-//! cell ([`crate::walk::dda`]); where a cell holds a grid it first goes through that.
+//! A grid over the scene, and in a cell of many primitives another grid just large enough for what they have in the
+//! cell (Jevans and Wyvill, "Adaptive voxel subdivision for ray tracing", Graphics Interface 1989). A ray goes from
+//! cell to cell ([`crate::walk::dda`]); where a cell holds a grid it first goes through that.
 //!
 //! Choose it for a scene whose primitives are of very different sizes, or crowd in a few places: there a uniform grid
 //! has too few cells where it matters. It costs 4 bytes a cell, 44 a grid and 4 a reference.

@@ -1,11 +1,12 @@
 //! Binary bounding-sphere hierarchy.
 //!
-//! The tree of [`crate::bvh`] with spheres for boxes, the oldest of bounds (Whitted, "An Improved Illumination Model for
-//! Shaded Display", CACM 23(6), 1980): a sphere takes four numbers where a box takes six, and does not care how the
+//! The tree of [`crate::bvh`] with spheres for boxes, the oldest of bounds (Whitted, "An Improved Illumination Model
+//! for Shaded Display", CACM 23(6), 1980): a sphere takes four numbers where a box takes six, and does not care how the
 //! scene is turned. It fits most things worse, above all long and flat ones.
 //!
 //! Choose it where flash is short and primitives are compact. It costs 40 bytes a node where `bvh` costs 64, and visits
-//! more nodes. Primitives stand in exactly one leaf, and a walk needs as deep a stack as that of the same tree of boxes.
+//! more nodes. Primitives stand in exactly one leaf, and a walk needs as deep a stack as that of the same tree of
+//! boxes.
 //!
 //! # A node: 40 bytes
 //! | offset | size | field | meaning |
@@ -113,7 +114,8 @@ impl<'a> View<'a> {
         count(self.nodes.len()).saturating_add(prims.len)
     }
 
-    /// Calls `each` with every inner node and every leaf, a node before what is below it, each with the box of its sphere.
+    /// Calls `each` with every inner node and every leaf, a node before what is below it, each with the box of its
+    /// sphere.
     pub fn parts(&self, prims: &Prims<'_>, bounds: &Aabb, each: &mut impl FnMut(Part)) {
         tree::parts(self.nodes, prims.len, bounds, each);
     }

@@ -1,17 +1,17 @@
 //! The walk: that of [`crate::bvh`], with spheres.
 //!
 //! # Why no hit is passed over
-//! The contract ([`crate::geom`], rule 3) ties an accepted hit to the padded slab interval of the primitive's own box, in
-//! `f32`. A sphere test has no rounding in common with it, so it is grown by a margin that covers both. Let `u = 2^-24`,
-//! `E` the distance of rule 4, `M` the largest size of `near_origin - origin`: a pad as it came out, at least `32 u E`.
-//! Lengths are in scene units, `d` is the direction over its largest component, `D` the same without rounding, and a
-//! hit at `t` lies at `tau = t * dir[kz]`, a real number, of the line `o + tau D`. Constants are those of first order; the
-//! rest is some `u` of them.
+//! The contract ([`crate::geom`], rule 3) ties an accepted hit to the padded slab interval of the primitive's own box,
+//! in `f32`. A sphere test has no rounding in common with it, so it is grown by a margin that covers both. Let
+//! `u = 2^-24`, `E` the distance of rule 4, `M` the largest size of `near_origin - origin`: a pad as it came out, at
+//! least `32 u E`. Lengths are in scene units, `d` is the direction over its largest component, `D` the same without
+//! rounding, and a hit at `t` lies at `tau = t * dir[kz]`, a real number, of the line `o + tau D`. Constants are those
+//! of first order; the rest is some `u` of them.
 //!
 //! 1. *How far a hit may lie from its box.* Each axis of the slab test says that `first <= near_origin + tau D`, but
 //!    for three roundings, and the like for `last`: so the point lies within `M + 3 u (E + M) < 1.1 M` of the box on
-//!    each axis, and within `1.91 M` of it. Where the product of that test underflows, the error is `2^-150` of `t`, and
-//!    so `2^-150 |dir[kz]|` an axis. Where `1 / dir` overflows on an axis, the sign of the difference is all that
+//!    each axis, and within `1.91 M` of it. Where the product of that test underflows, the error is `2^-150` of `t`,
+//!    and so `2^-150 |dir[kz]|` an axis. Where `1 / dir` overflows on an axis, the sign of the difference is all that
 //!    counts, which is exact, and the line moves by less than `2^-28 E` on it. A sphere contains the box (rule 50,
 //!    right to `2^-51`), so the point is within its radius and this distance of its centre.
 //! 2. *The direction.* `d` is off by `2u` on two axes, and `tau` at most `E + M`: `2.9 u E`.
@@ -20,17 +20,18 @@
 //!    Schwarz), denominator, its inverse and the product `8.7 u E`. An error of `s` makes `oc - s d` longer by as much.
 //! 5. *That vector*, rounded: `3.5 u E`. Its scaled length against the scaled radius, where the two are about equal and
 //!    so neither is beyond `|oc|`: `8.7 u E`.
-//! 6. *The interval* `s -+ (h + margin)`, times `1 / dir[kz]`, where `h` is half the chord of the grown sphere: no less than
-//!    that of the sphere grown by steps 1 to 5 alone, but for the rounding of the root, of its argument and of two
-//!    products, `7 u E`. Steps 2 to 4; the sum and the difference `8.7 u E`, and `5.2 u E` for the rounding of the inverse. The last product is monotone, and the `t` that it is compared with is an
-//!    `f32`: its own rounding, to a denormal or to infinity too, loses nothing.
+//! 6. *The interval* `s -+ (h + margin)`, times `1 / dir[kz]`, where `h` is half the chord of the grown sphere: no less
+//!    than that of the sphere grown by steps 1 to 5 alone, but for the rounding of the root, of its argument and of two
+//!    products, `7 u E`. Steps 2 to 4; the sum and the difference `8.7 u E`, and `5.2 u E` for the rounding of the
+//!    inverse. The last product is monotone, and the `t` that it is compared with is an `f32`: its own rounding, to a
+//!    denormal or to infinity too, loses nothing.
 //!
 //! A radius is at most `3.5 E`, since centre and boxes lie in the bounds; a blob may have a greater one, but every
-//! comparison is monotone in it. Steps 1 to 5 add up to `1.91 M + 31 u E`, and 1 to 4 and 6 to `1.91 M + 40 u E`: less than
-//! `3.2 M`. The margin is `4 M` and `2^-147 |dir[kz]|`. The lengths of step 5 are compared in units of `2^19 M`, which is
-//! no less than `E`: no square overflows, and the margin's own is `2^-34`, so none that matters underflows. Beyond
-//! coordinates of 5e36 and directions of `2^126` the margin is infinite, and everything is visited. So it is where a NaN
-//! turns up: every comparison is written so.
+//! comparison is monotone in it. Steps 1 to 5 add up to `1.91 M + 31 u E`, and 1 to 4 and 6 to `1.91 M + 40 u E`: less
+//! than `3.2 M`. The margin is `4 M` and `2^-147 |dir[kz]|`. The lengths of step 5 are compared in units of `2^19 M`,
+//! which is no less than `E`: no square overflows, and the margin's own is `2^-34`, so none that matters underflows.
+//! Beyond coordinates of 5e36 and directions of `2^126` the margin is infinite, and everything is visited. So it is
+//! where a NaN turns up: every comparison is written so.
 use super::{Node, View};
 use crate::blob::prims::Prims;
 use crate::bvh::walk::{Test, descend};

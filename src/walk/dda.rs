@@ -1,16 +1,17 @@
 //! A ray's way through the cells of a lattice.
 //!
 //! Cleary and Wyvill, "Analysis of an algorithm for fast ray tracing using uniform space subdivision", The Visual
-//! Computer 4, 1988, and Amanatides and Woo, "A Fast Voxel Traversal Algorithm for Ray Tracing", Eurographics 1987: of the next plane on each
-//! axis the nearest is crossed, and nothing but that axis changes. Each plane's distance is computed afresh from its
-//! number, so no error adds up, and the cells left on each axis are counted, so no cell outside is ever met.
+//! Computer 4, 1988, and Amanatides and Woo, "A Fast Voxel Traversal Algorithm for Ray Tracing", Eurographics 1987: of
+//! the next plane on each axis the nearest is crossed, and nothing but that axis changes. Each plane's distance is
+//! computed afresh from its number, so no error adds up, and the cells left on each axis are counted, so no cell
+//! outside is ever met.
 //!
 //! The walk is as thick as the pad of the slab test. A plane has two distances: the cell behind it is *entered* at the
-//! padded near one and the cell before it is *left* at the padded far one, a trifle later. A cell is visited if for some
-//! `t` it is entered on every axis and left on none, which is when its slab interval is not empty: what
-//! [`crate::geom`], rule 6, asks for. Mostly a cell on an axis is left before a plane of another axis is met; then one cell
-//! follows the other. Otherwise, near an edge or a corner, or with a pad as large as a cell for a ray from very far
-//! away, the walk turns *thick*: it keeps the first and last cell on each axis, and a plane that is met adds every
+//! padded near one and the cell before it is *left* at the padded far one, a trifle later. A cell is visited if for
+//! some `t` it is entered on every axis and left on none, which is when its slab interval is not empty: what
+//! [`crate::geom`], rule 6, asks for. Mostly a cell on an axis is left before a plane of another axis is met; then one
+//! cell follows the other. Otherwise, near an edge or a corner, or with a pad as large as a cell for a ray from very
+//! far away, the walk turns *thick*: it keeps the first and last cell on each axis, and a plane that is met adds every
 //! combination of the others. Either way a cell is visited once, when the last of its planes is met.
 use crate::geom::lattice::Lattice;
 use crate::geom::ray::{Axis as Direction, Prepared};

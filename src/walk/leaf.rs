@@ -38,8 +38,8 @@ pub fn test<const ANY: bool>(
     Ok(false)
 }
 
-/// Tests the primitives in the slots that a cell lists, but for those that `mailbox` remembers. Returns whether the walk
-/// is over: with `ANY`, at the first hit.
+/// Tests the primitives in the slots that a cell lists, but for those that `mailbox` remembers. Returns whether the
+/// walk is over: with `ANY`, at the first hit.
 ///
 /// # Errors
 /// [`Stop::Fuel`] if the meter does not allow as many tests, [`Stop::Corrupt`] if a slot does not exist.

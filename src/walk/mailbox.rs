@@ -1,9 +1,10 @@
 //! Not testing a primitive twice: the seed's ray signatures.
 //!
 //! Where a primitive is listed in several cells, a ray may meet it in each (Arnaldi, Priol and Bouatouch, "A new space
-//! subdivision method for ray tracing CSG modelled scenes", The Visual Computer 3, 1987; Amanatides and Woo 1987). A mailbox remembers which
-//! were tested. It belongs to the caller and not to the blob, which stays read-only and can be shared; and it only
-//! saves work: the best hit is kept wherever it lies, so an answer never depends on what a mailbox remembers.
+//! subdivision method for ray tracing CSG modelled scenes", The Visual Computer 3, 1987; Amanatides and Woo 1987). A
+//! mailbox remembers which were tested. It belongs to the caller and not to the blob, which stays read-only and can be
+//! shared; and it only saves work: the best hit is kept wherever it lies, so an answer never depends on what a mailbox
+//! remembers.
 
 /// What remembers the primitives that a ray was tested against.
 pub trait Mailbox {

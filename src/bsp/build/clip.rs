@@ -1,8 +1,8 @@
 //! The box of a primitive's part in a cell.
 //!
-//! A triangle is clipped, so that a plane is chosen by where it is in the cell and not by its whole box ("perfect splits":
-//! Wald and Havran, "On building fast kd-Trees for Ray Tracing", IRT 2006, section 3.3). Only planes are chosen by these
-//! boxes; what a cell lists is decided by the primitive itself.
+//! A triangle is clipped, so that a plane is chosen by where it is in the cell and not by its whole box ("perfect
+//! splits": Wald and Havran, "On building fast kd-Trees for Ray Tracing", IRT 2006, section 3.3). Only planes are
+//! chosen by these boxes; what a cell lists is decided by the primitive itself.
 use crate::blob::prims::Primitive;
 use crate::geom::overlap::MARGIN;
 use crate::geom::{Aabb, Triangle};
@@ -42,7 +42,8 @@ fn below(x: f64) -> f32 {
     if wide(near) > x { near.next_down() } else { near }
 }
 
-/// The triangle's part in the cell grown by `margin` (Sutherland and Hodgman, "Reentrant Polygon Clipping", CACM 17(1), 1974).
+/// The triangle's part in the cell grown by `margin` (Sutherland and Hodgman, "Reentrant Polygon Clipping", CACM 17(1),
+/// 1974).
 fn cut(triangle: &Triangle, cell: &Aabb, margin: f64) -> Polygon {
     let mut polygon = Polygon::from_iter(triangle.v.map(|v| v.map(wide)));
     for k in [0, 1, 2] {

@@ -1,12 +1,14 @@
 //! The plane of least expected cost.
 //!
-//! A random line that meets a box meets a part of it with the share of their areas (`MacDonald` and Booth, "Heuristics for
-//! ray tracing using space subdivision", The Visual Computer 6, 1990), so a plane costs one step and the tests of both parts by their shares. The cost
-//! is linear between the ends of the primitives' parts in the node, so only planes there are tried (Wald and Havran, "On building fast kd-Trees
-//! for Ray Tracing, and on doing that in O(N log N)", IRT 2006, section 3). Their sweep, but over ends sorted anew in each node and
-//! axis, which is O(N log^2 N): two arrays of words and no lists to keep in order.
+//! A random line that meets a box meets a part of it with the share of their areas (`MacDonald` and Booth, "Heuristics
+//! for ray tracing using space subdivision", The Visual Computer 6, 1990), so a plane costs one step and the tests of
+//! both parts by their shares. The cost is linear between the ends of the primitives' parts in the node, so only planes
+//! there are tried (Wald and Havran, "On building fast kd-Trees for Ray Tracing, and on doing that in O(N log N)", IRT
+//! 2006, section 3). Their sweep, but over ends sorted anew in each node and axis, which is O(N log^2 N): two arrays of
+//! words and no lists to keep in order.
 //!
-//! Costs are in units of one test times half the area of a box, and in f64, which neither 1e30 nor 1e-42 squared leaves.
+//! Costs are in units of one test times half the area of a box, and in f64, which neither 1e30 nor 1e-42 squared
+//! leaves.
 use super::Cut;
 use crate::build::Ref;
 use crate::geom::Aabb;

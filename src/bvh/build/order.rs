@@ -60,8 +60,8 @@ impl<'n> Tree<'n> {
         self.nodes.get(index(child.number())).map_or((0, 0), |n| (n.reserved[0], n.reserved[1]))
     }
 
-    /// The nodes in walk order with the numbers that they have there, the numbers that they had before, and their levels;
-    /// the root's is 1.
+    /// The nodes in walk order with the numbers that they have there, the numbers that they had before, and their
+    /// levels; the root's is 1.
     pub(crate) fn walk(self) -> impl Iterator<Item = (Node, u32, u32)> {
         // A node, its number, its first slot, its level.
         let mut todo = heapless::Vec::<(u32, u32, u32, u32), 128>::new();

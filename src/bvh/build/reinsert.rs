@@ -1,9 +1,9 @@
 //! Better places for subtrees.
 //!
-//! A top-down split decides once and sends large primitives to one side with the small ones around their centres. Bittner,
-//! Hapala and Havran, "Fast Insertion-Based Optimization of Bounding Volume Hierarchies", CGF 32(1), 2013: take a
-//! subtree out, and put it where it adds least to the total area of boxes. Its old place is always a candidate, so the
-//! total never grows.
+//! A top-down split decides once and sends large primitives to one side with the small ones around their centres.
+//! Bittner, Hapala and Havran, "Fast Insertion-Based Optimization of Bounding Volume Hierarchies", CGF 32(1), 2013:
+//! take a subtree out, and put it where it adds least to the total area of boxes. Its old place is always a candidate,
+//! so the total never grows.
 //!
 //! Places are searched from the root, depth first, and passed over where even an empty box could not win; the
 //! old place's cost is the bound to begin with. Nothing is allocated: parents stand in the nodes' reserved words.

@@ -20,7 +20,8 @@ pub struct Args {
     /// How many, up to 100000000
     #[arg(long, default_value_t = 1_000_000, value_parser = clap::value_parser!(u32).range(..=MOST))]
     count: u32,
-    /// Rays that are known to make trouble: in planes and along lines of cells, at edges, from far away, with odd intervals
+    /// Rays that are known to make trouble: in planes and along lines of cells, at edges, from far away, with odd
+    /// intervals
     #[arg(long)]
     hostile: bool,
     /// Where the random numbers start

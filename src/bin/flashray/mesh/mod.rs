@@ -1,7 +1,7 @@
 //! Mesh files: OBJ, PLY, STL and glTF become one [`Soup`].
 //!
-//! The crates tobj, ply-rs-bw, `stl_io` and gltf read them. Each reader here does what its crate does not: it brings the
-//! file into a form that the crate does not refuse or lose a part of, calls it under the [`guard`], because hostile
+//! The crates tobj, ply-rs-bw, `stl_io` and gltf read them. Each reader here does what its crate does not: it brings
+//! the file into a form that the crate does not refuse or lose a part of, calls it under the [`guard`], because hostile
 //! files make some of them panic, and checks what comes back: every coordinate finite, every index in range. Errors say
 //! where in the file the fault is, as far as that is known.
 mod gltf;

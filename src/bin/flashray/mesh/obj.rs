@@ -1,9 +1,9 @@
 //! Wavefront OBJ: positions and polygons, read by tobj.
 //!
-//! tobj gets the `v` and `f` statements only, in plain form: continued lines joined, comments cut, the `/vt/vn` parts of
-//! corners and all after the three coordinates of a vertex left out. tobj refuses the first two, panics on some of the
-//! third, and divides by a weight. Without objects and materials it makes one mesh, in the order of the file, and faces
-//! may use vertices that come later. As its errors have no line numbers, numbers are checked here on the way.
+//! tobj gets the `v` and `f` statements only, in plain form: continued lines joined, comments cut, the `/vt/vn` parts
+//! of corners and all after the three coordinates of a vertex left out. tobj refuses the first two, panics on some of
+//! the third, and divides by a weight. Without objects and materials it makes one mesh, in the order of the file, and
+//! faces may use vertices that come later. As its errors have no line numbers, numbers are checked here on the way.
 use super::guard::guarded;
 use super::text::{self, Lines};
 use crate::soup::Soup;

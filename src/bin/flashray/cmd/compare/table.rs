@@ -98,12 +98,14 @@ pub fn caption(facts: &Value) -> String {
 }
 
 /// What the headings mean.
-pub const LEGEND: &str = "bytes: nodes are nodes and cells, lists say which primitives are in which cell, all is the whole \
-    blob. refs: how often a primitive is listed. steps: nodes or cells that a ray visits; tests: primitives that it is \
-    tested against; spared: those of the tests that a mailbox of 8 avoids, since the ray met the primitive in a cell \
+pub const LEGEND: &str = "\
+    bytes: nodes are nodes and cells, lists say which primitives are in which cell, all is the whole blob. refs: how \
+    often a primitive is listed. steps: nodes or cells that a ray visits; tests: primitives that it is tested \
+    against; spared: those of the tests that a mailbox of 8 avoids, since the ray met the primitive in a cell \
     before. Camera rays start at a camera, diffuse and shadow rays where those hit, chords run between points on a \
-    sphere around all. Shadow rays ask for any hit, so they stop at the first they find, and take no mailbox; the others \
-    ask for the closest. Mrays/s: millions of rays a second, medians; groups are of 64 rays. times the list: one by one.";
+    sphere around all. Shadow rays ask for any hit, so they stop at the first they find, and take no mailbox; the \
+    others ask for the closest. Mrays/s: millions of rays a second, medians; groups are of 64 rays. times the list: \
+    one by one.";
 
 /// The tables as text.
 pub fn report(facts: &Value) -> String {

@@ -72,8 +72,8 @@ fn key(b: &Aabb) -> [[u32; 3]; 2] {
     [b.min, b.max].map(|p| p.map(f32::to_bits))
 }
 
-/// For each node or cell the boxes in which a visit to it looks for primitives. A visit to a node of a hierarchy is told
-/// by the box around the node's two parts, and tests what leaves there are among them.
+/// For each node or cell the boxes in which a visit to it looks for primitives. A visit to a node of a hierarchy is
+/// told by the box around the node's two parts, and tests what leaves there are among them.
 fn searched(scene: &Scene<'_>) -> HashMap<[[u32; 3]; 2], Vec<Aabb>> {
     let mut parts = Vec::new();
     scene.parts(|part| parts.push(part));
