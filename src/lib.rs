@@ -60,6 +60,7 @@ mod num;
 pub mod octree;
 mod scene;
 pub mod sphere;
+mod structure;
 pub mod voxel;
 pub mod walk;
 

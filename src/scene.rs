@@ -3,9 +3,10 @@ use crate::blob::prims::{Primitive, Prims};
 use crate::blob::{Blob, BlobError, Kind, Rule, Section};
 use crate::geom::ray::Prepared;
 use crate::geom::{Aabb, Hit, Ray};
+use crate::structure::Structure;
 use crate::walk::mailbox::{Mailbox, NoMailbox};
 use crate::walk::{Best, Fuel, Meter, Part, Steps, Stop, Tally};
-use crate::{bsp, bvh, grid, list, nested, octree, sphere, voxel};
+use crate::{bsp, bvh, grid, list, nested, octree, voxel};
 
 /// What bounds every query on a blob.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -15,48 +16,6 @@ pub struct Limits {
     pub stack: u32,
     /// Most steps of a walk: nodes visited and primitives tested.
     pub steps: u32,
-}
-
-/// The structure of a blob, by kind.
-#[derive(Clone, Copy, Debug)]
-enum Structure<'a> {
-    List,
-    Bvh(bvh::View<'a>),
-    Grid(grid::View<'a>),
-    Voxel(voxel::View<'a>),
-    Nested(nested::View<'a>),
-    Octree(octree::View<'a>),
-    Bsp(bsp::View<'a>),
-    Sphere(sphere::View<'a>),
-}
-
-impl<'a> Structure<'a> {
-    fn parse(blob: &Blob<'a>, kind: Kind) -> Result<Self, BlobError> {
-        Ok(match kind {
-            Kind::List => Self::List,
-            Kind::Bvh => Self::Bvh(bvh::View::parse(blob)?),
-            Kind::Grid => Self::Grid(grid::View::parse(blob)?),
-            Kind::Voxel => Self::Voxel(voxel::View::parse(blob)?),
-            Kind::Nested => Self::Nested(nested::View::parse(blob)?),
-            Kind::Octree => Self::Octree(octree::View::parse(blob)?),
-            Kind::Bsp => Self::Bsp(bsp::View::parse(blob)?),
-            Kind::Sphere => Self::Sphere(sphere::View::parse(blob)?),
-        })
-    }
-
-    /// Most steps of a walk.
-    fn steps(&self, prims: &Prims<'_>) -> u32 {
-        match self {
-            Self::List => prims.len,
-            Self::Bvh(view) => view.steps(prims),
-            Self::Grid(view) => view.steps(),
-            Self::Voxel(view) => view.steps(),
-            Self::Nested(view) => view.steps(),
-            Self::Octree(view) => view.steps(),
-            Self::Bsp(view) => view.steps(),
-            Self::Sphere(view) => view.steps(prims),
-        }
-    }
 }
 
 /// A scene read in place: it borrows the blob, owns nothing, and can be copied.
@@ -119,8 +78,7 @@ impl<'a> Scene<'a> {
         let header = blob.header();
         let kind = header.kind().ok_or(BlobError::new(Rule::KindKnown, Section::Header))?;
         let prims = Prims::parse(blob)?;
-        let structure = Structure::parse(blob, kind)?;
-        let fuel = structure.steps(&prims);
+        let (structure, fuel) = Structure::parse(kind, blob, &prims)?;
         if header.steps != fuel {
             return Err(BlobError::new(Rule::StepsTrue, Section::Header).found(header.steps).needed(fuel));
         }
@@ -131,16 +89,7 @@ impl<'a> Scene<'a> {
     fn check(&self, blob: &Blob<'a>) -> Result<(), BlobError> {
         self.prims.check(self.bounds)?;
         let header = blob.header();
-        let stack = match &self.structure {
-            Structure::List => 0,
-            Structure::Bvh(view) => view.check(&self.prims, self.bounds)?,
-            Structure::Grid(view) => view.check(&self.prims)?,
-            Structure::Voxel(view) => view.check(&self.prims)?,
-            Structure::Nested(view) => view.check(&self.prims)?,
-            Structure::Octree(view) => view.check(&self.prims)?,
-            Structure::Bsp(view) => view.check(&self.prims)?,
-            Structure::Sphere(view) => view.check(&self.prims, self.bounds)?,
-        };
+        let stack = self.structure.check(&self.prims, self.bounds)?;
         let error = BlobError::new(Rule::StackTrue, Section::Header).found(header.stack).needed(stack);
         if header.stack == stack { Ok(()) } else { Err(error) }
     }
@@ -327,16 +276,7 @@ impl<'a> Scene<'a> {
 
     /// Calls `each` with every node and cell of the structure: for those who measure or draw it.
     pub fn parts(&self, mut each: impl FnMut(Part)) {
-        match &self.structure {
-            Structure::List => each(Part { bounds: *self.bounds, level: 0, listed: Some(self.prims.len) }),
-            Structure::Bvh(view) => view.parts(&self.prims, self.bounds, &mut each),
-            Structure::Grid(view) => view.parts(&mut each),
-            Structure::Voxel(view) => view.parts(&mut each),
-            Structure::Nested(view) => view.parts(&mut each),
-            Structure::Octree(view) => view.parts(self.bounds, &mut each),
-            Structure::Bsp(view) => view.parts(&mut each),
-            Structure::Sphere(view) => view.parts(&self.prims, self.bounds, &mut each),
-        }
+        self.structure.parts(&self.prims, self.bounds, &mut each);
     }
 
     /// The hierarchy, if this is one.

@@ -57,8 +57,7 @@ fn hostile(random: &mut Random, i: usize, b: &Aabb, lattice: &Lattice, n: [u32; 
     let half = [0, 1, 2].map(|k| b.max[k] / 2.0 - b.min[k] / 2.0);
     let corner = |random: &mut Random| Axis::ALL.map(|k| lattice.plane(k, random.below(n[k.at()] as usize + 1) as u32));
     let towards = |from: [f32; 3], to: [f32; 3]| Ray::new(from, [0, 1, 2].map(|k| to[k] - from[k]));
-    let around = half.map(|h| h * 1.5);
-    let from = random.point(middle, around);
+    let from = random.point(middle, half.map(|h| h * 1.5));
     match i % 10 {
         0 => towards(corner(random), corner(random)),
         1 => towards(from, corner(random)),
@@ -142,32 +141,46 @@ struct Whole {
     dir: [i64; 3],
 }
 
+/// Numerator and positive denominator.
+type Fraction = (i128, i128);
+
+fn less(a: Fraction, b: Fraction) -> bool {
+    a.0 * b.1 < b.0 * a.1
+}
+
+impl Whole {
+    /// The fraction `(plane - from) / dir` of an axis, over a positive denominator.
+    fn at(&self, k: usize, plane: i64) -> Fraction {
+        ((i128::from(plane - self.from[k]) * i128::from(self.dir[k].signum())), i128::from(self.dir[k].abs()))
+    }
+
+    /// From where to where the line `t >= 0` is in the cells `0..n`, if that is more than a point.
+    fn span(&self, n: i64) -> Option<(Fraction, Fraction)> {
+        let (mut t, mut end) = ((0, 1), None);
+        for k in 0..3 {
+            if self.dir[k] == 0 {
+                // In a plane between two cells the chord counts as the upper one's; the walk visits both.
+                if self.from[k] < 0 || self.from[k] >= n {
+                    return None;
+                }
+                continue;
+            }
+            let (a, b) = if self.dir[k] > 0 { (0, n) } else { (n, 0) };
+            let (a, b) = (self.at(k, a), self.at(k, b));
+            t = if less(t, a) { a } else { t };
+            end = Some(end.map_or(b, |e| if less(b, e) { b } else { e }));
+        }
+        let end = end.expect("a direction");
+        less(t, end).then_some((t, end))
+    }
+}
+
 /// Calls `each` with every cell of `0..n` that the line `t >= 0` crosses, in order, and whether its chord is longer
 /// than a thousandth of a cell. Planes are at whole numbers, so a crossing is a fraction, and fractions are compared by
 /// cross multiplication.
-fn exact(ray: Whole, n: i64, mut each: impl FnMut([u32; 3], bool)) {
-    let Whole { from, dir } = ray;
-    // On each axis the fractions `(plane - from) / dir`, over positive denominators, of entry and exit.
-    let at =
-        |k: usize, plane: i64| ((i128::from(plane - from[k]) * i128::from(dir[k].signum())), i128::from(dir[k].abs()));
-    let less = |a: (i128, i128), b: (i128, i128)| a.0 * b.1 < b.0 * a.1;
-    let (mut t, mut end) = ((0, 1), None);
-    for k in 0..3 {
-        if dir[k] == 0 {
-            // In a plane between two cells the chord counts as the upper one's; the walk visits both.
-            if from[k] < 0 || from[k] >= n {
-                return;
-            }
-            continue;
-        }
-        let (a, b) = if dir[k] > 0 { (at(k, 0), at(k, n)) } else { (at(k, n), at(k, 0)) };
-        t = if less(t, a) { a } else { t };
-        end = Some(end.map_or(b, |e| if less(b, e) { b } else { e }));
-    }
-    let end = end.expect("a direction");
-    if !less(t, end) {
-        return;
-    }
+fn exact(ray: &Whole, n: i64, mut each: impl FnMut([u32; 3], bool)) {
+    let Some((mut t, end)) = ray.span(n) else { return };
+    let Whole { from, dir } = *ray;
     // The cell just after `t`: floor of the place, and for a falling coordinate that is whole the cell below.
     let place = |k: usize| {
         let x = i128::from(from[k]) * t.1 + t.0 * i128::from(dir[k]);
@@ -177,7 +190,7 @@ fn exact(ray: Whole, n: i64, mut each: impl FnMut([u32; 3], bool)) {
     let mut cell = [0, 1, 2].map(|k| i64::try_from(place(k)).expect("small"));
     let square = dir.iter().map(|&d| i128::from(d) * i128::from(d)).sum::<i128>();
     while less(t, end) {
-        let next = |k: usize| (dir[k] != 0).then(|| at(k, cell[k] + i64::from(dir[k] > 0)));
+        let next = |k: usize| (dir[k] != 0).then(|| ray.at(k, cell[k] + i64::from(dir[k] > 0)));
         let mut least = end;
         for k in 0..3 {
             least = next(k).filter(|&x| less(x, least)).unwrap_or(least);
@@ -221,7 +234,7 @@ fn against_whole_numbers(n: u32, rays: usize, random: &mut Random) -> [u64; 3] {
         let walked = visited(&ray, &lattice, ([0; 3], [n; 3]), f32::INFINITY);
         counts[0] += walked.len() as u64;
         let mut at = 0;
-        exact(whole, size, |cell, long| {
+        exact(&whole, size, |cell, long| {
             counts[1] += 1;
             if long {
                 counts[2] += 1;

@@ -61,11 +61,7 @@ pub fn draw(scene: &Scene<'_>, plane: &Plane, objects: &Objects, ray: &Ray, rule
     let window = Window::new(&cells, plane);
     let trail = Trail::new(scene, plane, ray);
     let structure = scene.kind().name();
-    let title = match rule {
-        "" => structure.to_owned(),
-        "seed" => format!("{structure}, textbook rule (seed)"),
-        _ => format!("{structure}, surface-area rule (sah)"),
-    };
+    let title = title(structure, rule);
     let plain = PLAIN.iter().find(|(kind, _)| *kind == scene.kind()).map_or("", |(_, plain)| *plain);
     let mut svg = frame(&window, &title);
     svg += &(line("h", 270, &title) + &line("s", 500, plain) + &line("s", 670, &caption(scene, plane, &trail)));
@@ -84,6 +80,14 @@ pub fn draw(scene: &Scene<'_>, plane: &Plane, objects: &Objects, ray: &Ray, rule
     svg += &way(&trail, plane, &window, ray);
     svg += &legend(&window, left_out + objects.left_out);
     Picture { svg: svg + "</svg>\n", structure }
+}
+
+fn title(structure: &str, rule: &str) -> String {
+    match rule {
+        "" => structure.to_owned(),
+        "seed" => format!("{structure}, textbook rule (seed)"),
+        _ => format!("{structure}, surface-area rule (sah)"),
+    }
 }
 
 /// The paper.
