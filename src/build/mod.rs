@@ -61,7 +61,9 @@ pub struct Arena<'a> {
     pub nodes: &'a mut VecView<Node>,
     /// Words of the tables of a structure that parts space.
     pub cells: &'a mut VecView<u32>,
-    /// One word each time that such a structure lists a primitive.
+    /// Words for what such a structure lists. A grid and voxels need one each time that they list a primitive; the
+    /// others get a fixed budget and keep within it: nested grids as many as the outermost lists and 16 a primitive, an
+    /// octree 17 a primitive and 64, a binary space partition 8 a primitive and 64.
     pub slots: &'a mut VecView<u32>,
 }
 

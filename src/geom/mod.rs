@@ -33,6 +33,16 @@
 //!    to the triangle. (In f64 the weights are right to `2^-51`; in f32 the test allows products of 512 times their
 //!    sum, so that the weights are wrong by `512u` at most.)
 //!
+//!    The two do not add up, neither in the pad nor in the margin. Let `P` be the ray's point at `t`, and `Q` that
+//!    point of the triangle. (Clamping `t` moves `P` towards the place on the ray that is next to `Q`, which is in the
+//!    interval by rule 4, so it brings nothing new.) On the way from `Q` to `P` is a point that is no farther along any
+//!    axis from `Q` than `2^-13` of the extent and from `P` than `10u E`. Let `R` be that point clipped to the
+//!    primitive's own box. `Q` is in that box, so `R` is no farther from `Q`, and the cell that `R` is in lists the
+//!    triangle. The cell's interval holds `t`. On an axis on which `R` was not clipped, the cell's sides are around
+//!    `R`, and the pad covers what `P` may lie beyond them. On one on which it was, `R` is on a side of the box and `P`
+//!    beyond it. The cell reaches to that side or farther, and the box's interval holds `t` (rule 3): so, by monotony,
+//!    does the cell's as to its side there. Its other side is on the other side of `R`, and so of `P`.
+//!
 //! `f32::min`, `max` and fused multiply-add are therefore absent by rule, not by accident.
 
 pub mod aabb;

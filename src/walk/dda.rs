@@ -13,6 +13,10 @@
 //! cell follows the other. Otherwise, near an edge or a corner, or with a pad as large as a cell for a ray from very
 //! far away, the walk turns *thick*: it keeps the first and last cell on each axis, and a plane that is met adds every
 //! combination of the others. Either way a cell is visited once, when the last of its planes is met.
+//!
+//! Steps are paid to the meter by the structure's walk, one a cell. The search for the first cells (`Axis::span`) is
+//! not paid: it starts at a guess that is mostly right, and looks at no more than twice as many planes as there are
+//! cells along the axis.
 use crate::geom::lattice::Lattice;
 use crate::geom::ray::{Axis as Direction, Prepared};
 use crate::geom::vec::{least, most};
