@@ -2,7 +2,6 @@
 use crate::blob::prims::Prims;
 use crate::blob::{Blob, BlobError, Kind};
 use crate::geom::Aabb;
-use crate::num::count;
 use crate::walk::Part;
 use crate::{bsp, bvh, grid, nested, octree, sphere, voxel};
 
@@ -29,7 +28,7 @@ impl<'a> Structure<'a> {
             Kind::List => (Self::List, prims.len),
             Kind::Bvh => {
                 let view = bvh::View::parse(blob)?;
-                (Self::Bvh(view), count(view.nodes.len()).saturating_add(prims.len))
+                (Self::Bvh(view), view.steps(prims))
             }
             Kind::Grid => {
                 let view = grid::View::parse(blob)?;
