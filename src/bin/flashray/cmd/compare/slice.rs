@@ -24,6 +24,12 @@ impl Rect {
         Self { min: self.min.map(|x| x - air), max: self.max.map(|x| x + air) }
     }
 
+    /// The same, with so much at least that it does not round away: no side is then without length.
+    fn visible(&self, air: f64) -> Self {
+        let far = [self.min, self.max].as_flattened().iter().fold(0.0, |far: f64, x| far.max(x.abs()));
+        self.grown(air.max(far * 1e-9).max(1e-300))
+    }
+
     /// The longer side.
     pub fn size(&self) -> f64 {
         (self.max[0] - self.min[0]).max(self.max[1] - self.min[1])
@@ -158,12 +164,12 @@ impl Window {
     /// Paper for the scene's box and the structure's cells, just as large as they.
     pub fn new(cells: &[Cell], plane: &Plane) -> Self {
         let all = cells.iter().fold(plane.bounds, |all, cell| all.join(&cell.rect));
-        let all = all.grown(all.size().max(f64::MIN_POSITIVE) * 0.01);
+        let all = all.visible(all.size() * 0.01);
         // The ray begins and ends beside the scene's box.
-        let rect = all.join(&plane.bounds.grown(plane.air() * 1.3));
+        let rect = all.join(&plane.bounds.visible(plane.air() * 1.3));
         let sides = [0, 1].map(|k| rect.max[k] - rect.min[k]);
         let scale = (WIDEST / sides[0]).min(HIGHEST / sides[1]);
-        let height = (sides[1] * scale) as i32;
+        let height = (sides[1] * scale).min(HIGHEST) as i32;
         Self { rect, scale, width: WIDEST as i32 + 2 * MARGIN, height: height + TOP + BOTTOM }
     }
 
