@@ -52,6 +52,34 @@ fn made_meshes() {
 }
 
 #[test]
+fn tests_are_counted_up_to_the_hit_that_ends_them() {
+    // From inside a convex mesh a ray meets one triangle, and the list has come so far.
+    let soup = icosphere(2);
+    let list = build(&soup, &Config::new(Kind::List));
+    let list = Scene::from_bytes(&list).expect("a good blob");
+    for i in 0..100 {
+        let ray = Ray::new([0.0; 3], [0.3 - 0.01 * i as f32, 0.7, 0.02 * i as f32 - 0.9]);
+        let hit = list.closest_hit(&ray).expect("a way out");
+        assert_eq!(list.any_hit_counted(&ray).1.prims, hit.prim + 1, "{ray:?}");
+        assert_eq!(list.closest_hit_counted(&ray).1.prims, list.len());
+    }
+    // One cell is the list; voxels pay for it piece by piece.
+    for soup in [soup, mixed(200, 1)] {
+        let configs = [Config::new(Kind::List), Config::new(Kind::Grid).cells(1), Config::new(Kind::Voxel).cells(1)];
+        let blobs = configs.map(|config| build(&soup, &config));
+        let [list, grid, voxel] = [0, 1, 2].map(|i: usize| Scene::from_bytes(&blobs[i]).expect("a good blob"));
+        for ray in hostile(&[list, grid], 2_000, 5) {
+            let tests = list.any_hit_counted(&ray).1.prims;
+            for scene in [grid, voxel] {
+                let (found, steps) = scene.any_hit_counted(&ray);
+                // A cell that is not met is not tested.
+                assert!(steps.prims == tests || steps.nodes == 0 && !found, "{}: {ray:?}", scene.kind().name());
+            }
+        }
+    }
+}
+
+#[test]
 fn mixed_primitives() {
     for n in [1, 2, 3, 7, 8, 9, 15, 16, 17, 40, 200, 1000] {
         agree("mixed", &mixed(n, u64::from(n)), 24_000 / n.max(4) as usize + 12_000, u64::from(n));

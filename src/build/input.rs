@@ -43,6 +43,15 @@ impl<'a> Input<'a> {
         Ok(Self { mesh, local: config.local, len, bounds })
     }
 
+    /// What the test of a primitive costs, in triangle tests: the unit of what cells are chosen by.
+    ///
+    /// Measured on a host: where all are triangles a test takes 5 ns, among other kinds about six times that.
+    #[must_use]
+    pub fn test_cost(&self) -> f32 {
+        let [_, others @ ..] = self.mesh.counts();
+        if others == [0; 4] { 1.0 } else { 6.0 }
+    }
+
     /// Primitive `number`, relative to the local origin.
     #[must_use]
     pub fn prim(&self, number: u32) -> Primitive {

@@ -16,7 +16,7 @@ use crate::build::{BuildError, Config, Input, Ref, Rule, sah};
 use crate::geom::Aabb;
 use crate::geom::lattice::{Lattice, resolution};
 use crate::geom::vec::{size, sub};
-use crate::grid::build::Choice;
+use crate::grid::build::{Choice, STEP_COST};
 use crate::grid::{self, Shape};
 use crate::num::{count, float, index, weight};
 use core::ops::Range;
@@ -33,10 +33,8 @@ const MOST_GROWTH: usize = 4;
 const TOP: Choice = Choice { densities: &[1.0, 2.0], ..Choice::SAH };
 /// Cells a primitive of the grids in cells that are tried.
 const DENSITIES: [f32; 4] = [1.0, 2.0, 4.0, 8.0];
-/// Cost of a step to the next cell, in primitive tests.
-const STEP_COST: f32 = 0.4;
-/// Cost of entering a grid.
-const ENTRY_COST: f32 = 4.0;
+/// Cost of entering a grid, in triangle tests.
+const ENTRY_COST: f32 = 24.0;
 /// Most primitives of a cell that are never worth a grid.
 const SAH_LEFT: usize = 4;
 /// References by the boxes of the primitives, for each one in the list, that a grid may have to be considered.
@@ -165,7 +163,7 @@ impl Work<'_> {
         let shape = choose(rule, input, list, bounds)?;
         let most = if rule == Rule::Seed { n * MOST_GROWTH } else { usize::MAX };
         let keep = |listed: u32, longest: u32| {
-            let pays = rule == Rule::Seed || cost(&shape, bounds, float(listed)) < weight(n);
+            let pays = rule == Rule::Seed || cost(input, &shape, bounds, float(listed)) < weight(n) * input.test_cost();
             pays && index(longest) < n
         };
         self.append(input, &shape, cell, Some(&(index(first)..index(last), bounds)), most, keep)
@@ -304,7 +302,7 @@ fn choose(rule: Rule, input: &Input<'_>, list: &[u32], bounds: &Aabb) -> Option<
     for density in DENSITIES {
         let shape = shape(n * density);
         let listed = list.iter().fold(0.0, |sum, &number| sum + touched(&shape, &part(number)));
-        let cost = cost(&shape, bounds, listed);
+        let cost = cost(input, &shape, bounds, listed);
         let fair = shape.cells != [1; 3] && listed <= n * MOST_TOUCHED;
         // Also passes over the NaN of a box without area.
         if fair && best.as_ref().map_or(cost >= 0.0, |(least, _)| cost < *least) {
@@ -321,10 +319,11 @@ fn touched(shape: &Shape, b: &Aabb) -> f32 {
     along(0) * along(1) * along(2)
 }
 
-/// Steps and tests that a line through a cell may be expected to take in a grid in it, with so many references.
-fn cost(shape: &Shape, bounds: &Aabb, listed: f32) -> f32 {
+/// What the steps and tests may be expected to cost that a line through a cell takes in a grid in it, with so many
+/// references.
+fn cost(input: &Input<'_>, shape: &Shape, bounds: &Aabb, listed: f32) -> f32 {
     let unit = 1.0 / size(sub(bounds.max, bounds.min));
     let share = sah::area(&shape.bounds([0; 3]), unit) / sah::area(bounds, unit);
     let [x, y, z] = shape.cells.map(float);
-    ENTRY_COST + (x * y * z * STEP_COST + listed) * share
+    ENTRY_COST + (x * y * z * STEP_COST + listed * input.test_cost()) * share
 }

@@ -20,7 +20,7 @@ use crate::grid::build::{Choice, Plan as Grid, SHAPE_WORDS};
 use crate::num::{count, index};
 
 /// What a resolution is chosen by: empty voxels cost no memory worth the name, and little time.
-const SAH: Choice = Choice { densities: &[1.0, 2.0, 4.0, 8.0, 16.0, 32.0, 64.0, 128.0], step: 0.15, cells: u32::MAX };
+const SAH: Choice = Choice { densities: &[1.0, 2.0, 4.0, 8.0, 16.0, 32.0, 64.0, 128.0], step: 0.9, cells: u32::MAX };
 const SEED: Choice = Choice { cells: MOST, ..Choice::SEED };
 /// Words of shape and table.
 const HEAD: usize = SHAPE_WORDS + size_of::<Table>() / 4;

@@ -22,8 +22,9 @@ pub fn test<const ANY: bool>(
     }
     if !prims.refs.is_empty() {
         // By value both ways: a ray and a best hit that nobody points to can stay in registers.
-        let (over, found) = mixed::<ANY>(prims, (first, len), *ray, *best)?;
+        let (over, left, found) = mixed::<ANY>(prims, (first, len), *ray, *best)?;
         *best = found;
+        meter.untested(left);
         return Ok(over);
     }
     let run = prims.triangles.get(index(first)..).and_then(|t| t.get(..index(len))).ok_or(Stop::Corrupt)?;
@@ -31,6 +32,7 @@ pub fn test<const ANY: bool>(
         if let Some(crossing) = triangle.crossing(ray, best.t) {
             best.offer(crossing, prims.id(first.wrapping_add(count(i))));
             if ANY {
+                meter.untested(len.wrapping_sub(count(i)).wrapping_sub(1));
                 return Ok(true);
             }
         }
@@ -55,15 +57,17 @@ pub fn test_listed<const ANY: bool>(
     if !meter.prims(count(slots.len())) {
         return Err(Stop::Fuel);
     }
-    for &slot in slots {
+    let mut rest = slots.iter();
+    while let Some(&slot) = rest.next() {
         if mailbox.seen(slot) {
             meter.spared();
             continue;
         }
         if !prims.refs.is_empty() {
-            let (over, found) = mixed::<ANY>(prims, (slot, 1), *ray, *best)?;
+            let (over, _, found) = mixed::<ANY>(prims, (slot, 1), *ray, *best)?;
             *best = found;
             if over {
+                meter.untested(count(rest.len()));
                 return Ok(true);
             }
             continue;
@@ -72,6 +76,7 @@ pub fn test_listed<const ANY: bool>(
         if let Some(crossing) = triangle.crossing(ray, best.t) {
             best.offer(crossing, prims.id(slot));
             if ANY {
+                meter.untested(count(rest.len()));
                 return Ok(true);
             }
         }
@@ -79,15 +84,17 @@ pub fn test_listed<const ANY: bool>(
     Ok(false)
 }
 
-/// A run of slots where other kinds stand among the triangles. Out of line: a scene of triangles alone never gets here.
+/// A run of slots where other kinds stand among the triangles: whether the walk is over, and how many slots were then
+/// left. Out of line: a scene of triangles alone never gets here.
 #[inline(never)]
 fn mixed<const ANY: bool>(
     prims: &Prims<'_>,
     (first, len): (u32, u32),
     ray: Prepared,
     mut best: Best,
-) -> Result<(bool, Best), Stop> {
-    for slot in first..first.saturating_add(len) {
+) -> Result<(bool, u32, Best), Stop> {
+    let end = first.saturating_add(len);
+    for slot in first..end {
         let at_t = |t| Crossing { t, u: 0.0, v: 0.0, enters: true };
         let crossing = match prims.get(slot).ok_or(Stop::Corrupt)? {
             Primitive::Triangle(p) => p.crossing(&ray, best.t),
@@ -99,9 +106,9 @@ fn mixed<const ANY: bool>(
         if let Some(crossing) = crossing {
             best.offer(crossing, prims.id(slot));
             if ANY {
-                return Ok((true, best));
+                return Ok((true, end.wrapping_sub(slot).wrapping_sub(1), best));
             }
         }
     }
-    Ok((false, best))
+    Ok((false, 0, best))
 }

@@ -24,6 +24,9 @@ pub trait Meter {
     fn at(&mut self, _bounds: impl FnOnce() -> Aabb) {}
     /// One of those was not tested, because a mailbox remembered it.
     fn spared(&mut self);
+    /// `n` of those were not tested, because one before them was enough. They stay paid.
+    #[inline(always)]
+    fn untested(&mut self, _n: u32) {}
 }
 
 /// Steps that are left.
@@ -91,5 +94,10 @@ impl Meter for Tally {
     fn spared(&mut self) {
         self.steps.prims = self.steps.prims.saturating_sub(1);
         self.steps.spared = self.steps.spared.saturating_add(1);
+    }
+
+    #[inline(always)]
+    fn untested(&mut self, n: u32) {
+        self.steps.prims = self.steps.prims.saturating_sub(n);
     }
 }
