@@ -197,8 +197,7 @@ impl<'a> Prims<'a> {
         if self.refs.is_empty() {
             return self.triangles.get(index(slot)).copied().map(Primitive::Triangle);
         }
-        let (kind, at) = split(*self.refs.get(index(slot))?);
-        let at = index(at);
+        let (kind, at) = self.referred(slot)?;
         match kind {
             0 => self.triangles.get(at).copied().map(Primitive::Triangle),
             1 => self.spheres.get(at).copied().map(Primitive::Sphere),
@@ -207,6 +206,14 @@ impl<'a> Prims<'a> {
             4 => self.cones.get(at).copied().map(Primitive::Cone),
             _ => None,
         }
+    }
+
+    /// Where the primitive in a slot is, if other kinds stand among the triangles: the number of its kind, and its
+    /// place among those.
+    #[inline(always)]
+    pub(crate) fn referred(&self, slot: u32) -> Option<(u32, usize)> {
+        let (kind, at) = split(*self.refs.get(index(slot))?);
+        Some((kind, index(at)))
     }
 
     /// The caller's number of the primitive in a slot.

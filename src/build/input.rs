@@ -43,9 +43,10 @@ impl<'a> Input<'a> {
         Ok(Self { mesh, local: config.local, len, bounds })
     }
 
-    /// What the test of a primitive costs, in triangle tests: the unit of what cells are chosen by.
+    /// What the test of a primitive is reckoned to cost, in triangle tests: the unit of what cells are chosen by.
     ///
-    /// Measured on a host: where all are triangles a test takes 5 ns, among other kinds about six times that.
+    /// Measured on a host: a triangle takes 5 ns, a sphere 8, a cylinder 30. Where there are such, six served scenes of
+    /// all kinds best.
     #[must_use]
     pub fn test_cost(&self) -> f32 {
         let [_, others @ ..] = self.mesh.counts();

@@ -112,6 +112,9 @@ impl Cone {
     #[must_use]
     pub fn crossing(&self, ray: &Prepared, t_max: f32) -> Option<f32> {
         let own = ray.slab(&self.bounds());
+        if !ray.could_admit(own, t_max) {
+            return None;
+        }
         let local = Local::new(self, ray)?;
         let mut best = None;
         let mut offer = |s: f32| {

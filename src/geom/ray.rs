@@ -197,6 +197,13 @@ impl Prepared {
         (plane - self.far_origin[k]) * self.inv[k]
     }
 
+    /// Whether [`Self::admit`] could take any `t` with this interval of a primitive's box: where not, the rest of its
+    /// test can be left out.
+    #[inline(always)]
+    pub(crate) fn could_admit(&self, (near, far): (f32, f32), t_max: f32) -> bool {
+        near <= far && far >= self.t_min && near <= t_max
+    }
+
     /// Clamps a primitive's `t` into its box's interval and asks whether it counts, up to `t_max`.
     ///
     /// `None` too where `t` is NaN or infinite: such a distance has no place in the answer.

@@ -32,6 +32,10 @@ impl Sphere {
     #[inline]
     #[must_use]
     pub fn crossing(&self, ray: &Prepared, t_max: f32) -> Option<f32> {
+        let own = ray.slab(&self.bounds());
+        if !ray.could_admit(own, t_max) {
+            return None;
+        }
         let (dir, to_t) = ray.scaled_dir();
         let from = scale(sub(ray.origin, self.center), 1.0 / self.radius);
         let a = dot(dir, dir);
@@ -43,7 +47,6 @@ impl Sphere {
             return None;
         }
         let half = sqrt(rest / a);
-        let own = ray.slab(&self.bounds());
         // In units of the radius and of the scaled direction; a negative `to_t` swaps the two ends.
         let (one, two) = (((middle - half) * self.radius) * to_t, ((middle + half) * self.radius) * to_t);
         let (first, last) = if one < two { (one, two) } else { (two, one) };

@@ -1,6 +1,7 @@
 //! A run of slots against a ray.
+use super::mailbox::NoMailbox;
 use super::{Best, Mailbox, Meter, Stop};
-use crate::blob::prims::{Primitive, Prims};
+use crate::blob::prims::Prims;
 use crate::geom::hit::Crossing;
 use crate::geom::ray::Prepared;
 use crate::num::{count, index};
@@ -22,10 +23,8 @@ pub fn test<const ANY: bool>(
     }
     if !prims.refs.is_empty() {
         // By value both ways: a ray and a best hit that nobody points to can stay in registers.
-        let (over, left, found) = mixed::<ANY>(prims, (first, len), *ray, *best)?;
-        *best = found;
-        meter.untested(left);
-        return Ok(over);
+        let tested = mixed::<ANY>(prims, first..first.saturating_add(len), *ray, *best, &mut NoMailbox)?;
+        return Ok(tested.settle(best, meter));
     }
     let run = prims.triangles.get(index(first)..).and_then(|t| t.get(..index(len))).ok_or(Stop::Corrupt)?;
     for (i, triangle) in run.iter().enumerate() {
@@ -57,19 +56,14 @@ pub fn test_listed<const ANY: bool>(
     if !meter.prims(count(slots.len())) {
         return Err(Stop::Fuel);
     }
+    if !prims.refs.is_empty() {
+        let tested = mixed::<ANY>(prims, slots.iter().copied(), *ray, *best, mailbox)?;
+        return Ok(tested.settle(best, meter));
+    }
     let mut rest = slots.iter();
     while let Some(&slot) = rest.next() {
         if mailbox.seen(slot) {
-            meter.spared();
-            continue;
-        }
-        if !prims.refs.is_empty() {
-            let (over, _, found) = mixed::<ANY>(prims, (slot, 1), *ray, *best)?;
-            *best = found;
-            if over {
-                meter.untested(count(rest.len()));
-                return Ok(true);
-            }
+            meter.spared(1);
             continue;
         }
         let triangle = prims.triangles.get(index(slot)).ok_or(Stop::Corrupt)?;
@@ -84,31 +78,68 @@ pub fn test_listed<const ANY: bool>(
     Ok(false)
 }
 
-/// A run of slots where other kinds stand among the triangles: whether the walk is over, and how many slots were then
-/// left. Out of line: a scene of triangles alone never gets here.
+/// What [`mixed`] did.
+struct Tested {
+    /// Whether the walk is over.
+    over: bool,
+    /// How many slots a mailbox remembered.
+    spared: u32,
+    /// How many slots were left when the walk was over.
+    left: u32,
+    best: Best,
+}
+
+impl Tested {
+    #[inline(always)]
+    fn settle(self, best: &mut Best, meter: &mut impl Meter) -> bool {
+        *best = self.best;
+        meter.spared(self.spared);
+        meter.untested(self.left);
+        self.over
+    }
+}
+
+/// Slots where other kinds stand among the triangles. Out of line: a scene of triangles alone never gets here.
 #[inline(never)]
 fn mixed<const ANY: bool>(
     prims: &Prims<'_>,
-    (first, len): (u32, u32),
+    mut slots: impl ExactSizeIterator<Item = u32>,
     ray: Prepared,
-    mut best: Best,
-) -> Result<(bool, u32, Best), Stop> {
-    let end = first.saturating_add(len);
-    for slot in first..end {
-        let at_t = |t| Crossing { t, u: 0.0, v: 0.0, enters: true };
-        let crossing = match prims.get(slot).ok_or(Stop::Corrupt)? {
-            Primitive::Triangle(p) => p.crossing(&ray, best.t),
-            Primitive::Sphere(p) => p.crossing(&ray, best.t).map(at_t),
-            Primitive::Box(p) => p.crossing(&ray, best.t).map(at_t),
-            Primitive::Cylinder(p) => p.as_cone().crossing(&ray, best.t).map(at_t),
-            Primitive::Cone(p) => p.crossing(&ray, best.t).map(at_t),
-        };
-        if let Some(crossing) = crossing {
-            best.offer(crossing, prims.id(slot));
+    best: Best,
+    mailbox: &mut impl Mailbox,
+) -> Result<Tested, Stop> {
+    let mut tested = Tested { over: false, spared: 0, left: 0, best };
+    while let Some(slot) = slots.next() {
+        if mailbox.seen(slot) {
+            tested.spared = tested.spared.wrapping_add(1);
+            continue;
+        }
+        if let Some(crossing) = crossing(prims, slot, &ray, tested.best.t)? {
+            tested.best.offer(crossing, prims.id(slot));
             if ANY {
-                return Ok((true, end.wrapping_sub(slot).wrapping_sub(1), best));
+                (tested.over, tested.left) = (true, count(slots.len()));
+                return Ok(tested);
             }
         }
     }
-    Ok((false, 0, best))
+    Ok(tested)
+}
+
+/// Where a ray crosses the primitive in a slot.
+///
+/// In place: a [`Primitive`](crate::blob::prims::Primitive) is copied in other pieces than it is read in, and to wait
+/// for those took longer than the test.
+#[inline(always)]
+fn crossing(prims: &Prims<'_>, slot: u32, ray: &Prepared, t_max: f32) -> Result<Option<Crossing>, Stop> {
+    let (kind, at) = prims.referred(slot).ok_or(Stop::Corrupt)?;
+    let at_t = |t| Crossing { t, u: 0.0, v: 0.0, enters: true };
+    let found = match kind {
+        0 => prims.triangles.get(at).map(|p| p.crossing(ray, t_max)),
+        1 => prims.spheres.get(at).map(|p| p.crossing(ray, t_max).map(at_t)),
+        2 => prims.boxes.get(at).map(|p| p.crossing(ray, t_max).map(at_t)),
+        3 => prims.cylinders.get(at).map(|p| p.as_cone().crossing(ray, t_max).map(at_t)),
+        4 => prims.cones.get(at).map(|p| p.crossing(ray, t_max).map(at_t)),
+        _ => None,
+    };
+    found.ok_or(Stop::Corrupt)
 }

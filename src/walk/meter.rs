@@ -22,8 +22,9 @@ pub trait Meter {
     /// The node or cell just visited has this box. For pictures: counting needs no box, and then none is made.
     #[inline(always)]
     fn at(&mut self, _bounds: impl FnOnce() -> Aabb) {}
-    /// One of those was not tested, because a mailbox remembered it.
-    fn spared(&mut self);
+    /// `n` of those were not tested, because a mailbox remembered them.
+    #[inline(always)]
+    fn spared(&mut self, _n: u32) {}
     /// `n` of those were not tested, because one before them was enough. They stay paid.
     #[inline(always)]
     fn untested(&mut self, _n: u32) {}
@@ -52,9 +53,6 @@ impl Meter for Fuel {
     fn prims(&mut self, n: u32) -> bool {
         self.pay(n)
     }
-
-    #[inline(always)]
-    fn spared(&mut self) {}
 }
 
 /// What a query cost.
@@ -91,9 +89,9 @@ impl Meter for Tally {
     }
 
     #[inline(always)]
-    fn spared(&mut self) {
-        self.steps.prims = self.steps.prims.saturating_sub(1);
-        self.steps.spared = self.steps.spared.saturating_add(1);
+    fn spared(&mut self, n: u32) {
+        self.steps.prims = self.steps.prims.saturating_sub(n);
+        self.steps.spared = self.steps.spared.saturating_add(n);
     }
 
     #[inline(always)]
