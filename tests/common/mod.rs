@@ -52,6 +52,6 @@ pub fn shared_mesh(name: &str) -> Option<PathBuf> {
     if path.exists() {
         return Some(path);
     }
-    println!("{} is not there: what needs it is left out", path.display());
+    tools::say_skipped(&format!("what needs {}", path.display()), "the meshes are too large for the repository");
     None
 }

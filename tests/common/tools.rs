@@ -1,6 +1,7 @@
 //! Tools beside cargo, programs with a time limit, and the scenes that firmware and web are tried on.
 use flashray::blob::KINDS;
 use std::collections::HashMap;
+use std::io::Write as _;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
 use std::sync::LazyLock;
@@ -11,11 +12,17 @@ const INTERNAL_FLASH: u64 = 3_500_000;
 /// What is built in every structure: all kinds of primitives, and triangles alone.
 pub const INPUTS: [(&str, &str); 2] = [("balls", "spd:balls:2"), ("teapot", "spd:teapot:4")];
 
+/// Says what is left out, even in a test that passes: the harness keeps what the macros print, and shows it only when
+/// the test fails.
+pub fn say_skipped(what: &str, remedy: &str) {
+    // One write, so that lines of two tests do not mix; a standard error that is closed is no failure of the test.
+    let _ = std::io::stderr().write_all(format!("skipped: {what}; {remedy}\n").as_bytes());
+}
+
 /// Says that a test can not be run. Under `CI=true` that is a failure, so that nothing is skipped there unseen.
 pub fn skip(what: &str, remedy: &str) {
-    let text = format!("skipped: {what}; {remedy}");
-    assert!(std::env::var("CI").as_deref() != Ok("true"), "{text}");
-    eprintln!("{text}");
+    assert!(std::env::var("CI").as_deref() != Ok("true"), "skipped: {what}; {remedy}");
+    say_skipped(what, remedy);
 }
 
 /// Whether a program is there; otherwise [`skip`]s.
@@ -153,9 +160,10 @@ pub static FIXTURES: LazyLock<Vec<Fixture>> = LazyLock::new(|| {
     fixtures.push(blob("xip", "spd:balls:2", "bvh", Some(".xip")));
     match bunny.to_str() {
         Some(path) if bunny.is_file() => fixtures.push(blob("bunny", path, "bvh", None)),
-        _ => {
-            eprintln!("skipped: scene bunny-bvh; there is no {}, a mesh too large for the repository", bunny.display());
-        }
+        _ => say_skipped(
+            "scene bunny-bvh",
+            &format!("there is no {}, a mesh too large for the repository", bunny.display()),
+        ),
     }
     let (debug, release) = (checksums(&fixtures, &[]), checksums(&fixtures, &["--release"]));
     assert_eq!((debug.len(), release.len()), (fixtures.len(), fixtures.len()), "an answer for each scene");

@@ -1,5 +1,6 @@
 //! Tests of the choice of a reader, and of the errors that all formats share.
 use std::fs;
+use std::io::Write as _;
 use std::path::PathBuf;
 
 use super::*;
@@ -133,7 +134,8 @@ fn errors_are_one_line() {
 fn real_meshes() {
     let folder = Path::new("../shared/meshes");
     if !folder.is_dir() {
-        println!("../shared/meshes is absent: nothing tested");
+        // Past the harness, which would keep what a macro prints to itself.
+        let _ = io::stderr().write_all(b"skipped: real meshes; there is no ../shared/meshes\n");
         return;
     }
     for (name, count) in [
