@@ -31,7 +31,11 @@ struct Folder(PathBuf);
 impl Folder {
     /// An empty folder.
     fn new(name: &str) -> Self {
-        let path = Path::new(env!("CARGO_TARGET_TMPDIR")).join("cli").join(name);
+        Self::at(Path::new(env!("CARGO_TARGET_TMPDIR")).join("cli").join(name))
+    }
+
+    /// An empty folder at a place of the test's choice.
+    fn at(path: PathBuf) -> Self {
         // That there is none to remove is the usual case; what stays would show in the snapshots.
         let _ = fs::remove_dir_all(&path);
         fs::create_dir_all(&path).expect("a folder for the test");
@@ -41,9 +45,13 @@ impl Folder {
     /// A folder with `cube.obj` and a hierarchy of it, `cube.fray`.
     fn with_cube(name: &str) -> Self {
         let folder = Self::new(name);
-        folder.put("cube.obj", CUBE);
-        folder.ok("build cube.obj -o cube.fray --leaf 1");
+        folder.put_cube();
         folder
+    }
+
+    fn put_cube(&self) {
+        self.put("cube.obj", CUBE);
+        self.ok("build cube.obj -o cube.fray --leaf 1");
     }
 
     fn path(&self, name: &str) -> PathBuf {
@@ -68,7 +76,12 @@ impl Folder {
 
     /// The command with arguments that have spaces between.
     fn command(&self, args: &str) -> Command {
-        let mut command = Command::new(env!("CARGO_BIN_EXE_flashray"));
+        self.command_of(Path::new(env!("CARGO_BIN_EXE_flashray")), args)
+    }
+
+    /// The same of a copy of the program.
+    fn command_of(&self, program: &Path, args: &str) -> Command {
+        let mut command = Command::new(program);
         command.current_dir(&self.0).stdin(Stdio::null()).args(args.split_whitespace());
         command
     }

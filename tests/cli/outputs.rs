@@ -69,26 +69,58 @@ fn links_stay_links_and_devices_stay_devices() {
     assert_eq!(names.count(), 0, "temporary files are left");
 }
 
-/// The command as a user without rights, if we are the one with all rights: nothing stops that one from reading.
+/// A folder with a copy of the command beside it where every user may enter: a checkout may be its owner's alone.
 #[cfg(unix)]
-fn without_rights(folder: &Folder, args: &str) -> Option<std::process::Output> {
-    use std::os::unix::process::CommandExt as _;
-    let mut command = folder.command(args);
-    if fs::read(folder.path("secret.fray")).is_ok() {
-        command.uid(65534).gid(65534);
+struct Open(Folder);
+
+#[cfg(unix)]
+impl Open {
+    fn new() -> Self {
+        use std::os::unix::fs::PermissionsExt as _;
+        let top = std::env::temp_dir().join(format!("flashray-permission-{}", std::process::id()));
+        let folder = Folder::at(top.join("folder"));
+        for path in [&top, &folder.0] {
+            fs::set_permissions(path, fs::Permissions::from_mode(0o755)).expect("a folder of our own");
+        }
+        fs::copy(env!("CARGO_BIN_EXE_flashray"), top.join("flashray")).expect("a copy of the command");
+        Self(folder)
     }
-    let output = command.output();
-    if let Err(error) = &output {
-        println!("left out, as nobody can not run the command: {error}");
+
+    /// The command as a user without rights, if we are the one with all rights: nothing stops that one from reading.
+    fn without_rights(&self, args: &str) -> Option<std::process::Output> {
+        use std::os::unix::process::CommandExt as _;
+        let mut command = self.0.command_of(&self.0.0.with_file_name("flashray"), args);
+        if fs::read(self.0.path("secret.fray")).is_ok() {
+            command.uid(65534).gid(65534);
+        }
+        match command.output() {
+            Ok(output) => Some(output),
+            Err(error) => {
+                let what = format!("files without permission, as another user can not run the command: {error}");
+                let remedy = "set TMPDIR to a folder that every user may enter and run programs in";
+                crate::common::tools::skip(&what, remedy);
+                None
+            }
+        }
     }
-    output.ok()
+}
+
+#[cfg(unix)]
+impl Drop for Open {
+    fn drop(&mut self) {
+        // Only litter stays where this fails, and no test is about it.
+        let _ = self.0.0.parent().map(fs::remove_dir_all);
+    }
 }
 
 #[cfg(unix)]
 #[test]
 fn files_without_permission() {
     use std::os::unix::fs::PermissionsExt as _;
-    let folder = folder("out-permission");
+    let open = Open::new();
+    let folder = &open.0;
+    folder.put_cube();
+    folder.ok("rays cube.fray -o rays --count 10");
     for (from, to) in [("cube.obj", "secret.obj"), ("cube.fray", "secret.fray"), ("rays", "secret.rays")] {
         fs::copy(folder.path(from), folder.path(to)).expect(to);
         fs::set_permissions(folder.path(to), fs::Permissions::from_mode(0o000)).expect(to);
@@ -103,7 +135,7 @@ fn files_without_permission() {
         ("trace cube.fray --rays secret.rays -o out", "secret.rays"),
         ("build spd:balls:1 -o locked/out", "locked/out"),
     ] {
-        let Some(output) = without_rights(&folder, args) else { return };
+        let Some(output) = open.without_rights(args) else { return };
         let complaint = super::text(&output.stderr);
         assert_eq!((output.status.code(), complaint.lines().count()), (Some(1), 1), "{args}: {complaint}");
         assert!(complaint.starts_with(&format!("flashray: {name}: ")), "{complaint}");
