@@ -3,7 +3,8 @@ use crate::common::meshes::{icosphere, mixed, scaled};
 use crate::common::rays::Random;
 use crate::common::{bits, build, configs};
 use crate::soup::Soup;
-use flashray::{Aabb, Cone, Cylinder, Ray, Scene, Sphere};
+use flashray::walk::mailbox::Last8;
+use flashray::{Aabb, Cone, Cylinder, Ray, Scene, Sphere, Steps};
 
 fn one_triangle() -> Soup {
     Soup {
@@ -25,30 +26,42 @@ fn each(soup: &Soup, test: impl Fn(&Scene<'_>)) {
 fn rays_that_make_no_sense_miss() {
     let soup = icosphere(1);
     let good = Ray::new([0.0, 0.0, 5.0], [0.01, 0.02, -1.0]);
-    each(&soup, |scene| {
-        assert!(scene.any_hit(&good));
-        for bad in [f32::NAN, f32::INFINITY, f32::NEG_INFINITY] {
-            for k in 0..3 {
-                let (mut a, mut b) = (good, good);
-                (a.origin[k], b.dir[k]) = (bad, bad);
-                assert_eq!((scene.closest_hit(&a), scene.any_hit(&b)), (None, false), "{bad} in component {k}");
-                assert_eq!(scene.closest_hit_counted(&a).1, flashray::Steps::default(), "a miss in O(1)");
-            }
+    let mut nonsense = vec![
+        Ray { dir: [0.0; 3], ..good },
+        Ray { dir: [-0.0; 3], ..good },
+        good.within(2.0, 1.0),
+        good.within(f32::INFINITY, f32::NEG_INFINITY),
+        good.within(f32::NAN, 9.0),
+        good.within(0.0, f32::NAN),
+        good.within(f32::NAN, f32::NAN),
+    ];
+    for bad in [f32::NAN, f32::INFINITY, f32::NEG_INFINITY] {
+        for k in 0..3 {
+            let (mut a, mut b) = (good, good);
+            (a.origin[k], b.dir[k]) = (bad, bad);
+            nonsense.extend([a, b]);
         }
-        let nothing = [
-            Ray { dir: [0.0; 3], ..good },
-            Ray { dir: [-0.0; 3], ..good },
-            good.within(2.0, 1.0),
-            good.within(f32::NAN, 9.0),
-            good.within(0.0, f32::NAN),
-            good.within(f32::INFINITY, f32::INFINITY),
-            good.within(f32::NEG_INFINITY, f32::NEG_INFINITY),
-        ];
-        for ray in nothing {
-            assert_eq!(scene.closest_hit(&ray), None, "{ray:?}");
-            assert!(!scene.any_hit(&ray), "{ray:?}");
+    }
+    each(&soup, |scene| {
+        assert!(scene.any_hit(&good) && scene.closest_hit(&good).is_some());
+        for ray in &nonsense {
+            misses_at_once(scene, ray);
+        }
+        // These make sense, but there is nothing so far away.
+        for end in [f32::INFINITY, f32::NEG_INFINITY] {
+            let ray = good.within(end, end);
+            assert_eq!((scene.closest_hit(&ray), scene.any_hit(&ray)), (None, false), "{ray:?}");
         }
     });
+}
+
+/// No query takes a step for this ray, or needs fuel.
+fn misses_at_once(scene: &Scene<'_>, ray: &Ray) {
+    assert_eq!((scene.closest_hit(ray), scene.any_hit(ray)), (None, false), "{ray:?}");
+    assert_eq!(scene.closest_hit_counted(ray), (None, Steps::default()), "{ray:?}");
+    assert_eq!(scene.any_hit_counted(ray), (false, Steps::default()), "{ray:?}");
+    assert_eq!(scene.closest_hit_mailed(ray, &mut Last8::default()), (None, Steps::default()), "{ray:?}");
+    assert_eq!(scene.closest_hit_within(ray, 0), Ok(None), "{ray:?}");
 }
 
 #[test]
