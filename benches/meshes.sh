@@ -3,7 +3,7 @@
 # one thread, and compares every answer with the list's, byte for byte. Half of the rays come from a camera, between
 # points around the scene, through vertices and through edges; half are hostile: along the lines and in the planes of
 # every structure's cells, from their corners, from inside and from very far away, with odd intervals. The speed is that
-# of the first half. Prints a Markdown table.
+# of the first half. Prints a Markdown table; exits with 1 if an answer is not the list's.
 #
 #   benches/meshes.sh ../shared/meshes/*.obj [spd:balls ..]
 #
@@ -18,6 +18,7 @@ trap 'rm -rf "$work"' EXIT
 rays=${RAYS:-1000000}
 all=$("$flashray" build --help | sed -n '/--structure/,/possible/s/.*possible values: \(.*\)\].*/\1/p' | tr -d , | head -n 1)
 structures=${STRUCTURES:-${all#list }}
+bad=0
 
 # The number behind a key of a flat JSON object.
 number() { grep -o "\"$2\":[0-9.e+-]*" <<<"$1" | head -n 1 | cut -d: -f2; }
@@ -49,6 +50,7 @@ for input in "$@"; do
     same=equal
     cmp -s "$work/list.fair" "$work/fair.hits" || same=DIFFERENT
     cmp -s "$work/list.hostile" "$work/hostile.hits" || same=DIFFERENT
+    [ $same = equal ] || bad=1
     fast=$(number "$traced" mrays_per_second)
     pair=$(basename "$blob" .fray)
     prims=$(number "$info" primitives)
@@ -59,3 +61,4 @@ for input in "$@"; do
       "$(awk -v a="$fast" -v b="$slow" 'BEGIN { print a / b }')" "$same"
   done
 done
+exit $bad
