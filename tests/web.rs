@@ -7,7 +7,7 @@ const TARGET: &str = "wasm32-unknown-unknown";
 
 #[test]
 fn web_assembly_answers_as_the_host() {
-    if !has_target(TARGET) || !has_program("node", "Node.js 20 or later") {
+    if !has_target(TARGET) || !has_program("node", "Node.js 18 or later") {
         return;
     }
     succeed(cargo("examples/web", "web").args(["build", "--release", "--locked", "--target", TARGET]));
