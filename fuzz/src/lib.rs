@@ -12,11 +12,3 @@ pub mod parse;
 pub mod rays;
 pub mod seal;
 pub mod trace;
-
-/// Every target by name, for replaying and seeding.
-pub const TARGETS: [(&str, fn(&[u8])); 4] = [
-    ("parse", parse::run),
-    ("trace", trace::run),
-    ("build_then_agree", build_then_agree::run),
-    ("damage", damage::run),
-];

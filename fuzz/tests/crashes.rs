@@ -1,23 +1,47 @@
 //! Every find of a fuzzer, played once more: `tests/crashes/<target>-<what>.bin` of the crate goes through its target.
-use flashray_fuzz::{TARGETS, build_then_agree, good};
+use flashray_fuzz::good;
+use std::collections::BTreeSet;
 use std::fs;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::atomic::Ordering;
 
-#[test]
-fn finds_stay_fixed() {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../tests/crashes");
-    for entry in fs::read_dir(folder).expect("the folder of finds") {
-        let path = entry.expect("a file").path();
-        let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
-        if !name.ends_with(".bin") {
-            continue;
+/// A test for each find, named `<target>::<what>`, and the files of all of them.
+macro_rules! finds {
+    ($($target:ident: $($what:ident),+;)+) => {
+        $(mod $target {
+            $(#[test]
+            fn $what() {
+                let path = super::folder().join(super::file(stringify!($target), stringify!($what)));
+                flashray_fuzz::$target::run(&std::fs::read(path).expect("a readable find"));
+            })+
+        })+
+
+        fn listed() -> BTreeSet<String> {
+            BTreeSet::from([$($(file(stringify!($target), stringify!($what))),+),+])
         }
-        let target = TARGETS.iter().find(|(target, _)| name.starts_with(&format!("{target}-")));
-        let (_, run) = target.unwrap_or_else(|| panic!("{name} begins with no target's name"));
-        println!("{name}");
-        run(&fs::read(&path).expect("a readable find"));
-    }
+    };
+}
+
+finds! {
+    build_then_agree: grid_beyond_half_range, rescaled_denormal_t, rescaled_infinite_t, rescaled_interval;
+    parse: nested_lists_without_grids;
+}
+
+fn folder() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../tests/crashes")
+}
+
+fn file(target: &str, what: &str) -> String {
+    format!("{target}-{}.bin", what.replace('_', "-"))
+}
+
+/// A find that is saved and not named above would never be played, and nobody would know.
+#[test]
+fn every_find_is_a_test() {
+    let entries = fs::read_dir(folder()).expect("the folder of finds");
+    let names = entries.map(|entry| entry.expect("a file").file_name().to_string_lossy().into_owned());
+    let saved: BTreeSet<_> = names.filter(|name| name != "README.md").collect();
+    assert_eq!(saved, listed(), "files in tests/crashes, and those that this file names");
 }
 
 /// The comparison of builds with a heap and without is skipped where an arena would be too small: rarely.
@@ -26,9 +50,10 @@ fn arenas_are_large_enough() {
     let mut random = good::Random(0);
     for i in 0..500 {
         let data: Vec<_> = (0..64 << (i % 6)).map(|_| random.word() as u8).collect();
-        build_then_agree::run(&data);
+        flashray_fuzz::build_then_agree::run(&data);
     }
-    let [built, skipped] = build_then_agree::ARENAS.each_ref().map(|n| n.load(Ordering::Relaxed));
+    let arenas = flashray_fuzz::build_then_agree::ARENAS.each_ref();
+    let [built, skipped] = arenas.map(|n| n.load(Ordering::Relaxed));
     assert!(built > 1000 && skipped < built / 100, "{built} builds in arenas, {skipped} skipped");
 }
 
