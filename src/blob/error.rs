@@ -85,7 +85,7 @@ rules! {
     VoxelBits = 31, "as many bits are on as the counts say, and none that is no voxel's or block's";
     /// Buckets follow each other, and hold the voxels whose bits are on, each in its own, in ascending order.
     VoxelBuckets = 32, "buckets hold the voxels whose bits are on, each in its own, in ascending order";
-    /// Each block or octant whose bit is on has a voxel, none is outside of the grid, and counts of those before are true.
+    /// Each block or octant whose bit is on has a voxel, none is outside of the grid, and earlier counts are true.
     VoxelMasks = 33, "each block or octant whose bit is on has a voxel, none outside of the grid, and counts are true";
     /// Bits after packed numbers are 0.
     PackedEnd = 34, "bits after packed numbers are 0";

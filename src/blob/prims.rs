@@ -54,8 +54,8 @@ impl Primitive {
         }
     }
 
-    /// Whether it may have a part in a cell of those in a box: where this says no, [`Primitive::overlaps`] says no for each
-    /// cell. For a box of many cells, to leave them all out at once.
+    /// Whether it may have a part in a cell of those in a box: where this says no, [`Primitive::overlaps`] says no for
+    /// each cell. For a box of many cells, to leave them all out at once.
     #[must_use]
     pub fn may_overlap(&self, around: &Aabb) -> bool {
         match self {

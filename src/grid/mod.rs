@@ -85,8 +85,8 @@ impl Shape {
         self.lattice.bounds(cell, cell.map(|i| i.saturating_add(1)))
     }
 
-    /// Calls `each` with place, number and box of every cell that the box of a primitive, cut to `part`, touches, but for
-    /// those that cannot overlap it; stops at an error.
+    /// Calls `each` with place, number and box of every cell that the box of a primitive, cut to `part`, touches, but
+    /// for those that cannot overlap it; stops at an error.
     ///
     /// # Errors
     /// The first of `each`.

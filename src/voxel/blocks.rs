@@ -1,14 +1,14 @@
 //! Two levels of bits: blocks of 4 by 4 by 4 voxels.
 //!
 //! Blocks are numbered as voxels are, and those at the far sides may be cut short. A block's voxel `(i, j, k)` from its
-//! own corner is bit `16 i + 4 j + k` of its mask. The lists of voxels stand block by block, bit by bit, so the list of a
-//! voxel is found by how many are before it: rank by counts and by counting bits (Jacobson, "Space-efficient Static
+//! own corner is bit `16 i + 4 j + k` of its mask. The lists of voxels stand block by block, bit by bit, so the list of
+//! a voxel is found by how many are before it: rank by counts and by counting bits (Jacobson, "Space-efficient Static
 //! Trees and Graphs", FOCS 1989).
 //!
-//! A surface leaves about half of a block's octants of 2 by 2 by 2 voxels empty, so of a mask only the octants are stored
-//! that have a voxel. With the digits of 16 and of 2 exchanged, a bit's number has those digits first that say
-//! which octant it is in: `i div 2`, `k div 2`, `j div 2`, and then `j mod 2`, `i mod 2`, `k mod 2`. Byte `o` of the mask
-//! is then octant `o`, and one exchange of bits restores it.
+//! A surface leaves about half of a block's octants of 2 by 2 by 2 voxels empty, so of a mask only the octants are
+//! stored that have a voxel. With the digits of 16 and of 2 exchanged, a bit's number has those digits first that say
+//! which octant it is in: `i div 2`, `k div 2`, `j div 2`, and then `j mod 2`, `i mod 2`, `k mod 2`. Byte `o` of the
+//! mask is then octant `o`, and one exchange of bits restores it.
 //!
 //! Words: `voxel bits` has 3 for every 64 blocks: their bits, the lower 32 first, and how many are on before.
 //! `voxel index` has, packed, the bytes that are not 0, block by block; and then 4 words for every *group* of 8 blocks

@@ -1,12 +1,12 @@
 //! The builder: a resolution, a count, one sort, a fill.
 //!
-//! The resolution is chosen as for a grid ([`crate::grid::build`]), but finer ones are affordable. Each reference becomes a
-//! pair of voxel and primitive; sorted, they are the lists, and say how many voxels and blocks there are. So memory goes
-//! with the references and, for the flat form, a bit a voxel, and never with a word for each voxel.
+//! The resolution is chosen as for a grid ([`crate::grid::build`]), but finer ones are affordable. Each reference
+//! becomes a pair of voxel and primitive; sorted, they are the lists, and say how many voxels and blocks there are. So
+//! memory goes with the references and, for the flat form, a bit a voxel, and never with a word for each voxel.
 //!
-//! `Rule::Seed` builds the flat form with one voxel a primitive, as the lecture has it. `Rule::Sah` builds the form that
-//! is smaller. The hash table has a slot for each occupied voxel; its size has no divisor in common with the numbers of
-//! cells, so that neighbours along any axis do not share a slot.
+//! `Rule::Seed` builds the flat form with one voxel a primitive, as the lecture has it. `Rule::Sah` builds the form
+//! that is smaller. The hash table has a slot for each occupied voxel; its size has no divisor in common with the
+//! numbers of cells, so that neighbours along any axis do not share a slot.
 use super::blocks::{BIT_WORDS, GROUP, GROUP_WORDS, OCTANT, STRIDES, exchange};
 use super::fill::{fill_blocks, fill_flat, fill_lists, masks};
 use super::flat::{MOST, most_tag};

@@ -2,11 +2,12 @@
 //!
 //! Voxel `p = (i ny + j) nz + k` belongs to slot `p mod M` of `M`. The slot says where its *bucket* of voxels starts, a
 //! bucket holds the quotients `p div M` of its voxels in ascending order, and slot and quotient together are the voxel:
-//! membership is exact, with few bits (Cleary, "Compact Hash Tables Using Bidirectional Linear Probing", IEEE TC C-33(9),
-//! 1984, stores the quotient for the same reason). The place of a voxel among all buckets is that of its list.
+//! membership is exact, with few bits (Cleary, "Compact Hash Tables Using Bidirectional Linear Probing", IEEE TC
+//! C-33(9), 1984, stores the quotient for the same reason). The place of a voxel among all buckets is that of its list.
 //!
-//! Words: `voxel bits` has the bit of voxel `p` at bit `p mod 32` of word `p div 32`. `voxel index` has, packed, `M + 1`
-//! numbers up to `occupied`, where each bucket starts and where the last one ends, and then, packed, the quotients.
+//! Words: `voxel bits` has the bit of voxel `p` at bit `p mod 32` of word `p div 32`. `voxel index` has, packed,
+//! `M + 1` numbers up to `occupied`, where each bucket starts and where the last one ends, and then, packed, the
+//! quotients.
 use super::{Table, word};
 use crate::blob::packed::Packed;
 use crate::blob::{BlobError, Rule, Section};

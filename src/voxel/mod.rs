@@ -2,15 +2,16 @@
 //!
 //! The cells of [`crate::grid`], with the same planes and numbers, but only those that list something are stored: at a
 //! resolution where most cells are empty, which is where a ray meets few primitives that it does not hit. One bit says
-//! whether a cell, here *voxel*, lists anything, and nothing else is read where it is off (Cleary and Wyvill, The Visual
-//! Computer 4, 1988; the lecture "Ray Tracing with Spatial Hierarchies"). Where it is on, its list is found in one of two ways:
+//! whether a cell, here *voxel*, lists anything, and nothing else is read where it is off (Cleary and Wyvill, The
+//! Visual Computer 4, 1988; the lecture "Ray Tracing with Spatial Hierarchies"). Where it is on, its list is found in
+//! one of two ways:
 //!
 //! - [`Flat`]: one bit for each voxel, and a hash table whose slot is the voxel's number modulo its size.
 //! - [`Blocks`]: one bit for each block of 4 by 4 by 4 voxels; for each block that has one on, one bit for each octant;
 //!   for each octant that has one on, 8 bits; and counts of bits before. A ray crosses an empty block in one step.
 //!
-//! All numbers are packed ([`crate::blob::packed`]). Choose it where the grid is right and memory is scarce. It does not
-//! adapt more than the grid does, and needs no stack.
+//! All numbers are packed ([`crate::blob::packed`]). Choose it where the grid is right and memory is scarce. It does
+//! not adapt more than the grid does, and needs no stack.
 //!
 //! # Table: 24 bytes
 //! | offset | size | field | meaning |

@@ -1,8 +1,8 @@
 //! The walks: voxel by voxel, or block by block and within a block voxel by voxel, nearest first.
 //!
-//! A hit beyond the voxel it is found in is kept, as in [`crate::grid`]. A block's planes are voxels' planes, bit by bit, and
-//! a box inside another has its interval inside the other's: so every voxel whose interval is not empty lies in a block
-//! of which the same is true, and the walk over blocks comes to it before it meets one beyond the best hit.
+//! A hit beyond the voxel it is found in is kept, as in [`crate::grid`]. A block's planes are voxels' planes, bit by
+//! bit, and a box inside another has its interval inside the other's: so every voxel whose interval is not empty lies
+//! in a block of which the same is true, and the walk over blocks comes to it before it meets one beyond the best hit.
 use super::blocks::{At, STRIDES};
 use super::{Block, Blocks, Flat, Form, View, Voxels};
 use crate::blob::prims::Prims;
