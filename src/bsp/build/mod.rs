@@ -14,6 +14,7 @@
 //! [`Needs`]: crate::build::Needs
 
 mod clip;
+mod radix;
 mod sah;
 
 use super::{Cell, Cut, Node};
@@ -234,7 +235,9 @@ impl Builder<'_, '_> {
         let (stack, free) = self.refs.split_at_mut_checked(self.top)?;
         let list = stack.get(stack.len().saturating_sub(task.len)..)?;
         let bounds = &task.cell.bounds;
-        let cut = sah::plane(list, bytemuck::cast_slice_mut(free), bounds)?;
+        // A node's share of references is never less than its list: so many are free.
+        let spare = self.slots.get_mut(self.listed..)?;
+        let cut = sah::plane(list, bytemuck::cast_slice_mut(free), spare, bounds)?;
         let marks = self.mark(task, cut);
         // What the children really list may be more than the sweep thought.
         let cheaper = sah::cost(bounds, cut, marks.left, marks.right) < one * f64::from(count(task.len));

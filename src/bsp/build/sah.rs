@@ -4,12 +4,13 @@
 //! for ray tracing using space subdivision", The Visual Computer 6, 1990), so a plane costs one step and the tests of
 //! both parts by their shares. The cost is linear between the ends of the primitives' parts in the node, so only planes
 //! there are tried (Wald and Havran, "On building fast kd-Trees for Ray Tracing, and on doing that in O(N log N)", IRT
-//! 2006, section 3). Their sweep, but over ends sorted anew in each node and axis, which is O(N log^2 N): two arrays of
-//! words and no lists to keep in order.
+//! 2006, section 3). Their sweep, and their O(N log N): ends are sorted anew in each node and axis, but as words and
+//! digit by digit, so a level of the tree takes time linear in what its nodes list. That needs three arrays of words,
+//! and no lists to keep in order.
 //!
 //! Costs are in units of one test times half the area of a box, and in f64, which neither 1e30 nor 1e-42 squared
 //! leaves.
-use super::Cut;
+use super::{Cut, radix};
 use crate::build::Ref;
 use crate::geom::Aabb;
 use crate::geom::ray::Axis;
@@ -55,18 +56,19 @@ pub fn leaf_cost(bounds: &Aabb, len: usize) -> f64 {
     (box_.ends + box_.sides * (box_.max - box_.min)) * f64::from(count(len))
 }
 
-/// The plane of least cost strictly inside a box; `None` if there is none, or `words` are fewer than twice the list.
-pub fn plane(list: &[Ref], words: &mut [u32], bounds: &Aabb) -> Option<Cut> {
+/// The plane of least cost strictly inside a box; `None` if there is none, or `words` are fewer than twice the list, or
+/// `spare` fewer than the list.
+pub fn plane(list: &[Ref], words: &mut [u32], spare: &mut [u32], bounds: &Aabb) -> Option<Cut> {
     let (mins, rest) = words.split_at_mut_checked(list.len())?;
-    let maxs = rest.get_mut(..list.len())?;
+    let (maxs, spare) = (rest.get_mut(..list.len())?, spare.get_mut(..list.len())?);
     let mut best: Option<(f64, Cut)> = None;
     for axis in Axis::ALL {
         let (k, along) = (axis.at(), Along::new(bounds, axis));
         for ((min, max), r) in mins.iter_mut().zip(maxs.iter_mut()).zip(list) {
             (*min, *max) = (key(r.bounds.min[k]), key(r.bounds.max[k]));
         }
-        mins.sort_unstable();
-        maxs.sort_unstable();
+        let (mins, spare) = radix::sort(mins, spare);
+        let (maxs, _) = radix::sort(maxs, spare);
         sweep(mins, maxs, |end, left, right| {
             let plane = value(end);
             if bounds.min[k] < plane && plane < bounds.max[k] {
