@@ -82,7 +82,7 @@ impl<'a> Structure<'a> {
             Self::Grid(view) => view.parts(each),
             Self::Voxel(view) => view.parts(each),
             Self::Nested(view) => view.parts(each),
-            Self::Octree(view) => view.parts(bounds, each),
+            Self::Octree(view) => view.parts(each),
             Self::Bsp(view) => view.parts(each),
             Self::Sphere(view) => view.parts(prims, bounds, each),
         }

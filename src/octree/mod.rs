@@ -138,6 +138,8 @@ pub struct View<'a> {
     pub nodes: &'a [Node],
     /// The list of each leaf.
     pub lists: Lists<'a>,
+    /// The scene's box.
+    bounds: &'a Aabb,
 }
 
 const fn broken(rule: Rule, node: u32) -> BlobError {
@@ -168,11 +170,9 @@ impl<'a> View<'a> {
     /// # Errors
     /// The first rule that is broken.
     pub fn parse(blob: &Blob<'a>) -> Result<Self, BlobError> {
-        let view = Self {
-            shape: Shape::parse(blob, &blob.header().bounds)?,
-            nodes: blob.section(Section::OctreeNodes)?,
-            lists: Lists::parse(blob)?,
-        };
+        let bounds = &blob.header().bounds;
+        let (nodes, lists) = (blob.section(Section::OctreeNodes)?, Lists::parse(blob)?);
+        let view = Self { shape: Shape::parse(blob, bounds)?, nodes, lists, bounds };
         let fits = match view.shape {
             None => view.nodes.is_empty() && view.lists.len() == usize::from(blob.header().prims > 0),
             Some(Shape { cells: [x, y, z], .. }) => {
@@ -191,10 +191,10 @@ impl<'a> View<'a> {
     }
 
     /// Calls `each` with every node and every leaf that lists anything, a node before what is below it.
-    pub fn parts(&self, bounds: &Aabb, each: &mut impl FnMut(Part)) {
+    pub fn parts(&self, each: &mut impl FnMut(Part)) {
         let listed = |list| self.lists.get(list).map(|list| count(list.len()));
         let Some(shape) = self.shape else {
-            return each(Part { bounds: *bounds, level: 0, listed: listed(0) });
+            return each(Part { bounds: *self.bounds, level: 0, listed: listed(0) });
         };
         let mut way = Way::new();
         let root = Cell::root(shape);

@@ -112,14 +112,23 @@ impl View<'_> {
         meter: &mut impl Meter,
         mailbox: &mut impl Mailbox,
     ) -> Result<bool, Stop> {
+        // What is in the root cube and not in the scene's box is empty: of a flat scene's cube the most.
+        let (near, far) = ray.slab(self.bounds);
+        let t = (most(ray.t_min, near), least(best.t, far));
+        if !(t.0 <= t.1) {
+            return Ok(false);
+        }
         let Some(shape) = self.shape else {
+            if !meter.node() {
+                return Err(Stop::Fuel);
+            }
+            meter.at(|| *self.bounds);
             let list = self.lists.get(0).ok_or(Stop::Corrupt)?;
-            let paid = if meter.node() { Ok(()) } else { Err(Stop::Fuel) };
-            return paid.and_then(|()| test_listed::<ANY>(prims, list, ray, best, meter, mailbox));
+            return test_listed::<ANY>(prims, list, ray, best, meter, mailbox);
         };
         let (lattice, signs) = (&shape.lattice, Signs::new(ray));
         let mut stack = heapless::Vec::<Visit, MAX_LEVELS>::new();
-        let Some(mut here) = start(shape, ray, best.t) else { return Ok(false) };
+        let Some(mut here) = start(shape, ray, t) else { return Ok(false) };
         loop {
             // Enter a node.
             if !meter.node() {
@@ -173,11 +182,10 @@ impl View<'_> {
     }
 }
 
-/// The ray in the root cube; `None` if it misses that up to `t_max`.
+/// The ray in the root cube; `None` if it misses that within an interval.
 #[inline(always)]
-fn start(shape: &Shape, ray: &Prepared, t_max: f32) -> Option<Visit> {
+fn start(shape: &Shape, ray: &Prepared, (mut near, mut far): (f32, f32)) -> Option<Visit> {
     let cell = Cell::root(shape);
-    let (mut near, mut far) = (ray.t_min, t_max);
     for axis in Axis::ALL {
         let k = axis.at();
         let (first, last) = if ray.negative[k] { (cell.side, 0) } else { (0, cell.side) };
