@@ -1,10 +1,18 @@
 //! The builder: depth first, with the lists that are still to be split on a stack in the words lent for references.
 //!
-//! `Rule::Seed` splits wherever more than [`Config::leaf`] primitives are listed, unless that runs away: a child lists
-//! as many as the node and all together half as many again, as around a vertex that more triangles meet in. `Rule::Sah`
+//! `Rule::Seed` splits wherever more than [`Config::leaf`] primitives are listed, unless that runs away. `Rule::Sah`
 //! splits where the expected cost falls. A random line that meets a cube meets one of its eight parts with the share of
 //! their areas, a quarter (`MacDonald` and Booth, "Heuristics for ray tracing using space subdivision", The Visual
 //! Computer 6, 1990). Where a leaf would be crowded and its parts do not pay, theirs may.
+//!
+//! A split that does not reduce the largest child, which lists as many primitives as the node, is the sign of one that
+//! runs away, and stops, but for one case: what it does reduce is the space that they are in. That is so for `Seed`
+//! while all children together list less than half as many again, which is not so around a vertex that more triangles
+//! meet in, and for `Sah` while the expected cost falls without looking further ahead. To stop there too leaves crowds
+//! whole: tests a ray of `spd:teapot:6` rose from 11.0 to 31.2 (camera) and from 15.6 to 25.3 (diffuse) for 5 % fewer
+//! bytes (`Sah`: from 9.9 to 31.1, from 14.8 to 25.3; 7 %), and of 968 triangles on a ground a thousand times their
+//! size, where every list has the ground, from 1.6 to 970, because the root was not split. What is always certain is
+//! the depth, at most 16, and the budget.
 //!
 //! Every node has a budget of words, which its children share as their lists are long: a tree has at most 16 words a
 //! primitive, and 64, whatever the primitives. The memory is measured by that, so it always suffices.
