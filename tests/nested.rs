@@ -79,6 +79,20 @@ fn rules_about_grids_in_cells_are_broken_one_by_one() {
 }
 
 #[test]
+fn cells_of_as_many_primitives_as_the_threshold_says_get_no_grid() {
+    let soup = mixed(300, 2);
+    let grids = |blob: &[u8]| words(blob, Section::NestedGrids).len() / 11;
+    for (rule, own) in [(Split::Seed, 2), (Split::Sah, 4)] {
+        let config = Config::new(Kind::Nested).rule(rule).cells(3);
+        let built = [1, own, 8, 300].map(|threshold| build(&soup, &config.threshold(threshold)));
+        assert!(*built[1] == *build(&soup, &config), "{rule:?}: its own is not {own}");
+        let counts = built.each_ref().map(|blob| grids(blob));
+        assert!(counts.is_sorted_by(|a, b| a >= b), "{rule:?}: {counts:?}");
+        assert!(counts[1] > 1 && counts[3] == 1, "{rule:?}: {counts:?}");
+    }
+}
+
+#[test]
 fn primitives_that_fill_their_cell_are_not_counted_in_every_cell_of_a_grid_that_is_not_kept() {
     // About one centre, no two alike. Counted to the end, a grid of as many cells takes n^2 steps: ten minutes.
     let ball = |i: u16| Sphere { center: [f32::from(i) * 1e-7, 0.0, 0.0], radius: 1.0 + f32::from(i) * 1e-5 };

@@ -39,6 +39,9 @@ pub struct Config {
     /// Cells along the longest side of a grid, of voxels or of the outermost of nested grids, at most 1024; 0 leaves it
     /// to the rule. Where the scene is a cube a grid has too many from 646 on ([`BuildError::TooLarge`]).
     pub cells: u32,
+    /// Most primitives of a cell of nested grids that gets no grid of its own; 0 leaves it to the rule: 2 for
+    /// [`Rule::Seed`], 4 for [`Rule::Sah`].
+    pub threshold: u32,
     /// Subtracted from every coordinate before it is stored, and from every ray's origin: for scenes far from 0.
     pub local: [f32; 3],
 }
@@ -47,7 +50,7 @@ impl Config {
     /// The defaults: the surface-area heuristic, leaves of up to 8 primitives, no local origin.
     #[must_use]
     pub const fn new(kind: Kind) -> Self {
-        Self { kind, rule: Rule::Sah, leaf: 8, reinsert: 2, cells: 0, local: [0.0; 3] }
+        Self { kind, rule: Rule::Sah, leaf: 8, reinsert: 2, cells: 0, threshold: 0, local: [0.0; 3] }
     }
 
     /// With another rule.
@@ -75,6 +78,13 @@ impl Config {
     #[must_use]
     pub const fn cells(mut self, cells: u32) -> Self {
         self.cells = cells;
+        self
+    }
+
+    /// With grids only in cells of more than so many primitives.
+    #[must_use]
+    pub const fn threshold(mut self, threshold: u32) -> Self {
+        self.threshold = threshold;
         self
     }
 

@@ -1,10 +1,11 @@
 //! The builder: a grid over the scene, then cell by cell another grid where that pays.
 //!
-//! Grids wait in a queue, which is also the order of their numbers. `Rule::Seed` parts every cell of more than two
-//! primitives, as the lecture's drawing does, into about a cell a primitive. `Rule::Sah` weighs several densities: a
-//! line that meets a cell meets a cell in it with the share of their areas (`MacDonald` and Booth, "Heuristics for ray
-//! tracing using space subdivision", The Visual Computer 6, 1990), so the expected steps and tests of a grid are known
-//! from its references, and a cell is parted if they are fewer than the tests of its list.
+//! Grids wait in a queue, which is also the order of their numbers. A cell of more primitives than
+//! [`Config::threshold`] may get a grid. `Rule::Seed` gives one to each, as the lecture's drawing does, of about a cell
+//! a primitive. `Rule::Sah` weighs several densities: a line that meets a cell meets a cell in it with the share of
+//! their areas (`MacDonald` and Booth, "Heuristics for ray tracing using space subdivision", The Visual Computer 6,
+//! 1990), so the expected steps and tests of a grid are known from its references, and a cell is parted if they are
+//! fewer than the tests of its list.
 //!
 //! No scene makes it run away: a grid is kept only if it parts its primitives, grids are at most six deep, and cells,
 //! grids and references have a budget of so many a primitive. That is the memory that is asked for: nothing can be
@@ -23,8 +24,8 @@ use core::ops::Range;
 
 /// Words of a grid.
 const GRID_WORDS: usize = size_of::<Grid>() / 4;
-/// Most primitives of a cell that the seed's rule leaves whole.
-const SEED_LEFT: usize = 2;
+/// Most primitives of a cell that the seed's rule leaves whole, if the caller does not say: the lecture's drawing.
+const SEED_LEFT: u32 = 2;
 /// Cells that the seed's rule parts a cell into at least: two along each axis.
 const SEED_CELLS: f32 = 8.0;
 /// References for each one in the list that it replaces, that a grid of the seed's rule may take.
@@ -35,8 +36,8 @@ const TOP: Choice = Choice { densities: &[1.0, 2.0], ..Choice::SAH };
 const DENSITIES: [f32; 4] = [1.0, 2.0, 4.0, 8.0];
 /// Cost of entering a grid, in triangle tests.
 const ENTRY_COST: f32 = 24.0;
-/// Most primitives of a cell that are never worth a grid.
-const SAH_LEFT: usize = 4;
+/// Most primitives of a cell that are not worth a grid, if the caller does not say.
+const SAH_LEFT: u32 = 4;
 /// References by the boxes of the primitives, for each one in the list, that a grid may have to be considered.
 const MOST_TOUCHED: f32 = 8.0;
 /// Budget of cells in cells, and of references to primitives in them, that of replaced lists included, a primitive.
@@ -46,6 +47,8 @@ const BUDGET: usize = 16;
 #[derive(Clone, Copy, Debug)]
 pub struct Plan {
     rule: Rule,
+    /// Most primitives of a cell that gets no grid.
+    left: usize,
     top: grid::build::Plan,
     prims: usize,
 }
@@ -57,9 +60,14 @@ impl Plan {
     /// [`BuildError::TooLarge`] if there are 2^28 cells or references, or more.
     pub fn new(input: &Input<'_>, config: &Config) -> Result<Self, BuildError> {
         let rule = config.rule;
+        let left = match (config.threshold, rule) {
+            (0, Rule::Seed) => SEED_LEFT,
+            (0, Rule::Sah) => SAH_LEFT,
+            (asked, _) => asked,
+        };
         let choice = if rule == Rule::Seed { &Choice::SEED } else { &TOP };
         let top = grid::build::Plan::with(input, config, choice)?;
-        Ok(Self { rule, top, prims: index(input.len) })
+        Ok(Self { rule, left: index(left), top, prims: index(input.len) })
     }
 
     /// Most grids.
@@ -84,6 +92,7 @@ impl Plan {
 /// What is built so far.
 struct Work<'p> {
     rule: Rule,
+    left: usize,
     /// In [`Grid::lists`] the number of the cell that holds the grid.
     grids: &'p mut [Grid],
     /// Where each cell's list starts, whether it holds a grid or not, and where the last one ends.
@@ -104,8 +113,8 @@ pub fn build<'p>(
     slots: &'p mut [u32],
 ) -> Parts<'p> {
     let Some((head, starts)) = words.split_at_mut_checked(plan.grids() * GRID_WORDS) else { return Parts::default() };
-    let (rule, grids, listed) = (plan.rule, bytemuck::cast_slice_mut(head), slots);
-    let mut work = Work { rule, grids, starts, listed, grid_count: 0, cell_count: 0, listed_count: 0 };
+    let (Plan { rule, left, .. }, grids, listed) = (*plan, bytemuck::cast_slice_mut(head), slots);
+    let mut work = Work { rule, left, grids, starts, listed, grid_count: 0, cell_count: 0, listed_count: 0 };
     if plan.prims == 0 || work.append(input, &plan.top.shape, 0, None, usize::MAX, |_, _| true).is_none() {
         return Parts::default();
     }
@@ -156,8 +165,7 @@ impl Work<'_> {
         let (first, last) = (*self.starts.get(index(cell))?, *self.starts.get(index(cell) + 1)?);
         let list = self.listed.get(index(first)..index(last))?;
         let (rule, n) = (self.rule, list.len());
-        let left = if rule == Rule::Seed { SEED_LEFT } else { SAH_LEFT };
-        if n <= left || self.grid_count == self.grids.len() {
+        if n <= self.left || self.grid_count == self.grids.len() {
             return None;
         }
         let shape = choose(rule, input, list, bounds)?;

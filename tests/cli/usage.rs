@@ -86,6 +86,7 @@ const HELP: [(&str, &[&str]); 9] = [
             "--output",
             "--structure",
             "--cells",
+            "--threshold",
             "list",
             "bvh",
             "--rule",

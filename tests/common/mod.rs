@@ -25,6 +25,7 @@ pub fn configs() -> Vec<Config> {
         Config::new(Kind::Nested),
         Config::new(Kind::Nested).rule(Rule::Seed),
         Config::new(Kind::Nested).cells(3),
+        Config::new(Kind::Nested).rule(Rule::Seed).threshold(1),
         Config::new(Kind::Octree),
         Config::new(Kind::Octree).rule(Rule::Seed),
         Config::new(Kind::Octree).leaf(1).rule(Rule::Seed),

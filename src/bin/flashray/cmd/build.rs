@@ -28,6 +28,9 @@ pub struct Args {
     /// Cells along the longest side of a grid; 0 leaves it to the rule
     #[arg(long, default_value_t = 0, value_parser = clap::value_parser!(u32).range(..=i64::from(MOST_CELLS)))]
     cells: u32,
+    /// Most primitives of a cell of nested grids that gets no grid; 0 leaves it to the rule
+    #[arg(long, value_name = "PRIMITIVES", default_value_t = 0)]
+    threshold: u32,
     /// Store coordinates relative to this point: for scenes far from 0
     #[arg(long, value_name = "X,Y,Z", value_parser = args::triple, default_value = "0,0,0", allow_hyphen_values = true)]
     local: [f32; 3],
@@ -48,7 +51,8 @@ impl Args {
             Split::Seed => Rule::Seed,
             Split::Sah => Rule::Sah,
         };
-        Config::new(self.structure).rule(rule).leaf(self.leaf).cells(self.cells).local(self.local)
+        let config = Config::new(self.structure).rule(rule).leaf(self.leaf).local(self.local);
+        config.cells(self.cells).threshold(self.threshold)
     }
 }
 
