@@ -3,7 +3,7 @@ use super::slice::{self, Plane, Point, Rect};
 use flashray::walk::Meter;
 use flashray::walk::mailbox::NoMailbox;
 use flashray::{Aabb, Hit, Kind, Ray, Scene};
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 
 /// Of the ways from the left edge to the right, one that first hits about two thirds along, and past many nodes.
 pub fn choose(scene: &Scene<'_>, plane: &Plane) -> Ray {
@@ -51,7 +51,7 @@ impl Trail {
         let hit = scene.closest_hit_metered(ray, &mut recorder, &mut NoMailbox).unwrap_or(None);
         let (from, along) = (plane.flat(ray.origin), plane.flat(ray.dir));
         let stop = hit.map_or(1.0, |hit| f64::from(hit.t));
-        let searched = searched(scene);
+        let searched = searched(scene, &recorder.visits);
         let round = slice::round(scene);
         let visit = |bounds: &Aabb| {
             // A cell that is not stored is empty.
@@ -68,28 +68,45 @@ impl Trail {
 }
 
 /// A box as a key.
-fn key(b: &Aabb) -> [[u32; 3]; 2] {
+type Key = [[u32; 3]; 2];
+
+fn key(b: &Aabb) -> Key {
     [b.min, b.max].map(|p| p.map(f32::to_bits))
 }
 
-/// For each node or cell the boxes in which a visit to it looks for primitives. A visit to a node of a hierarchy is
-/// told by the box around the node's two parts, and tests what leaves there are among them.
-fn searched(scene: &Scene<'_>) -> HashMap<[[u32; 3]; 2], Vec<Aabb>> {
+/// For each node or cell visited the boxes in which the visit looks for primitives.
+fn searched(scene: &Scene<'_>, visits: &[Aabb]) -> HashMap<Key, Vec<Aabb>> {
+    let visited: HashSet<Key> = visits.iter().map(key).collect();
+    if matches!(scene.kind(), Kind::Bvh | Kind::Sphere) {
+        return searched_in_pairs(scene, &visited);
+    }
+    // A ray meets few of the cells, of which a fine grid has tens of millions: no other is kept.
+    let mut searched: HashMap<Key, Vec<Aabb>> = HashMap::new();
+    scene.parts(|part| {
+        let key = key(&part.bounds);
+        if visited.contains(&key) {
+            searched.entry(key).or_default().extend(part.listed.map(|_| part.bounds));
+        }
+    });
+    searched
+}
+
+/// The same for a hierarchy, where a visit to a node is told by the box around the node's two parts, and tests what
+/// leaves there are among them.
+fn searched_in_pairs(scene: &Scene<'_>, visited: &HashSet<Key>) -> HashMap<Key, Vec<Aabb>> {
     let mut parts = Vec::new();
     scene.parts(|part| parts.push(part));
-    let hierarchy = matches!(scene.kind(), Kind::Bvh | Kind::Sphere);
-    let mut searched: HashMap<_, Vec<Aabb>> = HashMap::new();
-    for (i, part) in parts.iter().enumerate() {
-        if !hierarchy || part.listed.is_some() {
-            searched.entry(key(&part.bounds)).or_default().extend(part.listed.map(|_| part.bounds));
-            continue;
-        }
+    let mut searched = HashMap::new();
+    for (i, part) in parts.iter().enumerate().filter(|(_, part)| part.listed.is_none()) {
         // A node comes before what is below it.
         let below = parts[i + 1..].iter().filter(|other| other.level == part.level + 1).take(2);
         let pair: Vec<_> = below.collect();
         if let [first, second] = pair[..] {
-            let leaves = pair.iter().filter(|part| part.listed.is_some()).map(|part| part.bounds);
-            searched.insert(key(&first.bounds.join(&second.bounds)), leaves.collect());
+            let key = key(&first.bounds.join(&second.bounds));
+            if visited.contains(&key) {
+                let leaves = pair.iter().filter(|part| part.listed.is_some()).map(|part| part.bounds);
+                searched.insert(key, leaves.collect());
+            }
         }
     }
     searched
