@@ -165,9 +165,16 @@ fn scenes_of_any_scale_are_drawn() {
         let corner = |x: &str, y: &str| format!("v {x} {y} {}\n", if name == "flat" { "0" } else { y });
         let corners = corner("0", "0") + &corner(scale, "0") + &corner("1e-30", scale);
         folder.put(&format!("{name}.obj"), corners + "f 1 2 3\n");
+    }
+    // A point away from 0: no ray meets it, and all counts are 0.
+    folder.put("point.obj", "v 1 2 3\nf 1 1 1\n");
+    for name in ["tiny", "huge", "flat", "point"] {
         folder.ok(&format!("compare {name}.obj -o {name} --rays 64 --rounds 1"));
-        let svg = super::text(&folder.get(&format!("{name}/bvh-sah.svg")));
-        assert!(!svg.contains("NaN"), "{svg}");
+        // All the pictures are in the page, and the plots.
+        let page = super::text(&folder.get(&format!("{name}/index.html")));
+        assert!(!page.contains("NaN") && !page.contains("inf"), "{name}: {page}");
+        let longest = page.split(|c: char| !c.is_ascii_digit()).map(str::len).max();
+        assert!(longest < Some(20), "{name}: a number of {longest:?} digits");
     }
 }
 

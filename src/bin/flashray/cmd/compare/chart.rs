@@ -36,7 +36,9 @@ impl Chart<'_> {
         let total = |values: &[Option<f64>]| values.iter().flatten().sum::<f64>();
         let largest = |values: &[Option<f64>]| values.iter().flatten().fold(0.0f64, |a, &b| a.max(b));
         let of = |values: &[Option<f64>]| if self.stacked { total(values) } else { largest(values) };
-        let most = self.rows.iter().map(|(_, values)| of(values)).fold(f64::MIN_POSITIVE, f64::max);
+        let most = self.rows.iter().map(|(_, values)| of(values)).fold(0.0, f64::max);
+        // Where all is 0, as when no ray meets the scene, the axis goes to 1.
+        let most = if most > 0.0 { most } else { 1.0 };
         let scale = (WIDTH - LEFT - RIGHT) / most;
         let mut svg = format!(
             "<svg xmlns=\"http://www.w3.org/2000/svg\" class=\"chart\" viewBox=\"0 0 {WIDTH} {height}\" role=\"img\">\
