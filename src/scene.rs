@@ -190,7 +190,7 @@ impl<'a> Scene<'a> {
     }
 
     /// [`Scene::closest_hit`] for many rays: `hits[i]` becomes the answer to `rays[i]`. Of two lengths the lesser
-    /// counts.
+    /// counts. This version answers one after another.
     pub fn closest_hits(&self, rays: &[Ray], hits: &mut [Option<Hit>]) {
         for (ray, hit) in rays.iter().zip(hits) {
             *hit = self.closest_hit(ray);
@@ -198,6 +198,7 @@ impl<'a> Scene<'a> {
     }
 
     /// [`Scene::any_hit`] for many rays: `hits[i]` becomes the answer to `rays[i]`. Of two lengths the lesser counts.
+    /// This version answers one after another.
     pub fn any_hits(&self, rays: &[Ray], hits: &mut [bool]) {
         for (ray, hit) in rays.iter().zip(hits) {
             *hit = self.any_hit(ray);

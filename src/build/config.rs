@@ -32,7 +32,9 @@ pub struct Config {
     pub kind: Kind,
     /// How it splits.
     pub rule: Rule,
-    /// Most primitives of a leaf, from 1 to 15.
+    /// Most primitives of a leaf, from 1 to 15: of bvh and sphere. By [`Rule::Seed`] octree and bsp cut what has more
+    /// where that helps; by [`Rule::Sah`] octree looks one cut farther ahead there, and bsp goes by cost alone. The
+    /// others have no such limit.
     pub leaf: u32,
     /// How many times every subtree is taken out and put where it costs least, after [`Rule::Sah`]: 0 builds fastest.
     pub reinsert: u32,
@@ -47,7 +49,7 @@ pub struct Config {
 }
 
 impl Config {
-    /// The defaults: the surface-area heuristic, leaves of up to 8 primitives, no local origin.
+    /// The defaults: the surface-area heuristic, a leaf limit of 8 primitives, no local origin.
     #[must_use]
     pub const fn new(kind: Kind) -> Self {
         Self { kind, rule: Rule::Sah, leaf: 8, reinsert: 2, cells: 0, threshold: 0, local: [0.0; 3] }
@@ -60,7 +62,7 @@ impl Config {
         self
     }
 
-    /// With leaves of up to so many primitives, from 1 to 15.
+    /// With leaves of up to so many primitives, from 1 to 15, where the structure has such a limit.
     #[must_use]
     pub const fn leaf(mut self, leaf: u32) -> Self {
         self.leaf = leaf;

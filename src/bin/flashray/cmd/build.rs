@@ -22,7 +22,8 @@ pub struct Args {
     /// How it splits: the textbook's rule, or the surface-area heuristic
     #[arg(long, value_enum, default_value = "sah")]
     rule: Split,
-    /// Most primitives of a leaf
+    /// Most primitives of a leaf of bvh and sphere; octree and bsp cut what has more by --rule seed, where that helps, and
+    /// octree looks farther ahead by --rule sah. The others have no such limit
     #[arg(long, default_value_t = 8, value_parser = clap::value_parser!(u32).range(1..=15))]
     leaf: u32,
     /// Cells along the longest side of a grid; 0 leaves it to the rule

@@ -33,7 +33,7 @@ pub struct Args {
     /// Speeds are medians of so many rounds, from 1 to 1000
     #[arg(long, default_value_t = 5, value_parser = clap::value_parser!(u32).range(1..=1000))]
     rounds: u32,
-    /// Most primitives of a leaf
+    /// Most primitives of a leaf, in structures and by rules that have such a limit: see `build`
     #[arg(long, default_value_t = 8, value_parser = clap::value_parser!(u32).range(1..=15))]
     leaf: u32,
     /// The axis that the plane of the pictures is square to

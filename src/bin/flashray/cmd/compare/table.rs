@@ -94,18 +94,19 @@ pub fn caption(facts: &Value) -> String {
         format!("Answers were compared with the list's for {listed} of {all} rays, and with the bvh's for all.")
     };
     let (prims, leaf, rays) = (number("/primitives"), number("/leaf"), rays.join(", "));
-    format!("{prims} primitives, leaves of up to {leaf}; rays: {rays}. {compared}")
+    format!("{prims} primitives; leaf limit {leaf}; rays: {rays}. {compared}")
 }
 
 /// What the headings mean.
 pub const LEGEND: &str = "\
     bytes: nodes are nodes and cells, lists say which primitives are in which cell, all is the whole blob. refs: how \
-    often a primitive is listed. steps: nodes or cells that a ray visits; tests: primitives that it is tested \
+    often a primitive is listed. leaf limit: most primitives of a leaf in bvh and sphere; octree and bsp cut what has \
+    more by the textbook's rule, where that helps; the others have no such limit. steps: nodes or cells that a ray visits; tests: primitives that it is tested \
     against; spared: those of the tests that a mailbox of 8 avoids, since the ray met the primitive in a cell \
     before. Camera rays start at a camera, diffuse and shadow rays where those hit, chords run between points on a \
     sphere around all. Shadow rays ask for any hit, so they stop at the first they find, and take no mailbox; the \
-    others ask for the closest. Mrays/s: millions of rays a second, medians; groups are of 64 rays. times the list: \
-    one by one.";
+    others ask for the closest. Mrays/s: millions of rays a second, medians; groups are of 64 rays, which this \
+    version answers one after another. times the list: one by one.";
 
 /// The tables as text.
 pub fn report(facts: &Value) -> String {
