@@ -3,7 +3,8 @@
 # one thread, and compares every answer with the list's, byte for byte. Half of the rays come from a camera, between
 # points around the scene, through vertices and through edges; half are hostile: along the lines and in the planes of
 # every structure's cells, from their corners, from inside and from very far away, with odd intervals. The speed is that
-# of the first half. Prints a Markdown table; exits with 1 if an answer is not the list's.
+# of the first half. Any hit is asked for a tenth as many rays of either sort, since the list is slow there as well, and
+# compared too. Prints a Markdown table; exits with 1 if an answer is not the list's.
 #
 #   benches/meshes.sh ../shared/meshes/*.obj [spd:balls ..]
 #
@@ -40,8 +41,11 @@ for input in "$@"; do
   "$flashray" rays "$work/list.fray" "${blobs[@]}" -o "$work/hostile" --hostile --count $((rays - rays / 2)) >/dev/null
   "$flashray" rays "$work/list.fray" -o "$work/few" --count $((rays / 200 + 1000)) >/dev/null
   slow=$(number "$("$flashray" trace "$work/list.fray" --rays "$work/few" -o "$work/few.hits" --threads 1 --json)" mrays_per_second)
+  "$flashray" rays "$work/list.fray" -o "$work/any-fair" --count $((rays / 20)) --seed 2 >/dev/null
+  "$flashray" rays "$work/list.fray" "${blobs[@]}" -o "$work/any-hostile" --hostile --count $((rays / 20)) --seed 2 >/dev/null
   for kind in fair hostile; do
     "$flashray" trace "$work/list.fray" --rays "$work/$kind" -o "$work/list.$kind" >/dev/null
+    "$flashray" trace "$work/list.fray" --rays "$work/any-$kind" -o "$work/list.any-$kind" --any >/dev/null
   done
   for blob in "${blobs[@]}"; do
     info=$("$flashray" info "$blob" --json)
@@ -50,6 +54,10 @@ for input in "$@"; do
     same=equal
     cmp -s "$work/list.fair" "$work/fair.hits" || same=DIFFERENT
     cmp -s "$work/list.hostile" "$work/hostile.hits" || same=DIFFERENT
+    for kind in any-fair any-hostile; do
+      "$flashray" trace "$blob" --rays "$work/$kind" -o "$work/any.hits" --any >/dev/null
+      cmp -s "$work/list.$kind" "$work/any.hits" || same=DIFFERENT
+    done
     [ $same = equal ] || bad=1
     fast=$(number "$traced" mrays_per_second)
     pair=$(basename "$blob" .fray)
