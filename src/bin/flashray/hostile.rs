@@ -8,7 +8,8 @@ type Point = [f32; 3];
 /// What hostile rays are aimed at: the primitives of a scene, and the boxes of the structures over it.
 pub struct Targets {
     prims: Vec<Primitive>,
-    boxes: Vec<Aabb>,
+    /// Of each structure by itself: a grid has a hundred times as many as a tree, and none shall go short of rays.
+    boxes: Vec<Vec<Aabb>>,
     bounds: Aabb,
     middle: Point,
     half: Point,
@@ -19,10 +20,12 @@ impl Targets {
     pub fn new(scenes: &[Scene<'_>]) -> Self {
         let bounds = scenes.first().map_or(Aabb { min: [0.0; 3], max: [0.0; 3] }, Scene::bounds);
         let prims = scenes.first().map(|s| s.primitives().map(|(_, p)| p).collect()).unwrap_or_default();
-        let mut boxes = vec![bounds];
-        for scene in scenes {
+        let boxes = |scene: &Scene<'_>| {
+            let mut boxes = vec![bounds];
             scene.parts(|part| boxes.push(part.bounds));
-        }
+            boxes
+        };
+        let boxes = scenes.iter().map(boxes).collect();
         let middle = [0, 1, 2].map(|k| bounds.min[k] / 2.0 + bounds.max[k] / 2.0);
         let half = [0, 1, 2].map(|k| (bounds.max[k] / 2.0 - bounds.min[k] / 2.0).max(f32::MIN_POSITIVE));
         Self { prims, boxes, bounds, middle, half }
@@ -78,9 +81,10 @@ impl Targets {
         Ray::new(from, dir)
     }
 
-    /// A corner of a box of one of the structures.
+    /// A corner of a box of one of the structures, each as likely as any other.
     fn corner(&self, random: &mut Random) -> Point {
-        let b = self.boxes.get(random.below(self.boxes.len())).unwrap_or(&self.bounds);
+        let boxes = self.boxes.get(random.below(self.boxes.len())).map_or(&[][..], Vec::as_slice);
+        let b = boxes.get(random.below(boxes.len())).unwrap_or(&self.bounds);
         [0, 1, 2].map(|k| random.either(b.min[k], b.max[k]))
     }
 
