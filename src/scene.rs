@@ -173,6 +173,28 @@ impl<'a> Scene<'a> {
         (hit, tally.steps)
     }
 
+    /// [`Scene::any_hit_counted`] with a mailbox: likewise.
+    ///
+    /// ```
+    /// # #[cfg(feature = "alloc")] {
+    /// # use flashray::{*, build::*, walk::mailbox::Last8};
+    /// # let mesh = Mesh::new(&[[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]], &[[0, 1, 2]]);
+    /// # let blob = to_vec(&mesh, &Config::new(Kind::Grid).cells(8)).unwrap();
+    /// # let scene = Scene::from_bytes(&blob).unwrap();
+    /// let ray = Ray::new([0.1, 0.7, 0.0], [1.0, 0.0, 0.0]); // as above
+    /// let (found, steps) = scene.any_hit_mailed(&ray, &mut Last8::default());
+    /// assert_eq!((found, steps.prims), (false, 1));
+    /// assert_eq!(steps.spared + 1, scene.any_hit_counted(&ray).1.prims);
+    /// # }
+    /// ```
+    #[must_use]
+    pub fn any_hit_mailed(&self, ray: &Ray, mailbox: &mut impl Mailbox) -> (bool, Steps) {
+        mailbox.clear();
+        let mut tally = Tally { fuel: Fuel(self.fuel), steps: Steps::default() };
+        let found = self.query::<true>(ray, &mut tally, mailbox).is_ok_and(|hit| hit.is_some());
+        (found, tally.steps)
+    }
+
     /// [`Scene::closest_hit`] with a meter and a mailbox of the caller's: for those who count or draw.
     ///
     /// The meter alone bounds the walk. One that always pays may never end on a blob that was not checked.

@@ -5,6 +5,7 @@ use crate::common::{bits, build, configs, shared_mesh};
 use crate::soup::Soup;
 use crate::{mesh, spd};
 use flashray::build::Config;
+use flashray::walk::mailbox::Last8;
 use flashray::{Hit, Kind, Ray, Scene};
 
 /// Compares all structures with the list on so many rays, of which at least a share of 1/20 must hit.
@@ -36,8 +37,21 @@ fn same(name: &str, scenes: &[Scene<'_>], ray: &Ray) -> bool {
         let within = scene.closest_hit_within(ray, scene.limits().steps);
         assert_eq!(within.map(bits), Ok(bits(truth)), "{name}, {kind}: {ray:?}");
         assert_eq!(scene.any_hit(ray), truth.is_some(), "{name}, {kind}, any: {ray:?}");
+        same_with_mailbox(name, scene, ray, truth);
     }
     truth.is_some()
+}
+
+/// Panics if a mailbox changes an answer. Who lists no primitive twice takes none.
+fn same_with_mailbox(name: &str, scene: &Scene<'_>, ray: &Ray, truth: Option<Hit>) {
+    let kind = scene.kind();
+    if matches!(kind, Kind::List | Kind::Bvh | Kind::Sphere) {
+        return;
+    }
+    let closest = scene.closest_hit_mailed(ray, &mut Last8::default()).0;
+    assert_eq!(bits(closest), bits(truth), "{name}, {kind:?}, mailbox: {ray:?}");
+    let any = scene.any_hit_mailed(ray, &mut Last8::default()).0;
+    assert_eq!(any, truth.is_some(), "{name}, {kind:?}, any, mailbox: {ray:?}");
 }
 
 #[test]
