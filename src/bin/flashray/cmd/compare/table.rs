@@ -26,7 +26,7 @@ const SIZES: [Column; 10] = [
 ];
 
 /// What rays do.
-const WORK: [Column; 12] = [
+const WORK: [Column; 13] = [
     Column("steps", "camera", 2, 1.0, "/steps_per_ray/camera"),
     Column("steps", "diffuse", 2, 1.0, "/steps_per_ray/diffuse"),
     Column("steps", "shadow", 2, 1.0, "/steps_per_ray/shadow"),
@@ -37,6 +37,7 @@ const WORK: [Column; 12] = [
     Column("tests", "chord", 2, 1.0, "/tests_per_ray/chord"),
     Column("spared", "camera", 2, 1.0, "/spared_per_ray/camera"),
     Column("spared", "diffuse", 2, 1.0, "/spared_per_ray/diffuse"),
+    Column("spared", "shadow", 2, 1.0, "/spared_per_ray/shadow"),
     Column("spared", "chord", 2, 1.0, "/spared_per_ray/chord"),
     Column("answers", "wrong", 0, 1.0, "/wrong"),
 ];
@@ -100,13 +101,13 @@ pub fn caption(facts: &Value) -> String {
 /// What the headings mean.
 pub const LEGEND: &str = "\
     bytes: nodes are nodes and cells, lists say which primitives are in which cell, all is the whole blob. refs: how \
-    often a primitive is listed. leaf limit: most primitives of a leaf in bvh and sphere; octree and bsp cut what has \
-    more by the textbook's rule, where that helps; the others have no such limit. steps: nodes or cells that a ray visits; tests: primitives that it is tested \
-    against; spared: those of the tests that a mailbox of 8 avoids, since the ray met the primitive in a cell \
-    before. Camera rays start at a camera, diffuse and shadow rays where those hit, chords run between points on a \
-    sphere around all. Shadow rays ask for any hit, so they stop at the first they find, and take no mailbox; the \
-    others ask for the closest. Mrays/s: millions of rays a second, medians; groups are of 64 rays, which this \
-    version answers one after another. times the list: one by one.";
+    often a primitive is listed. leaf limit: most primitives of a leaf in bvh and sphere; octree and bsp cut what \
+    has more by the textbook's rule, where that helps; the others have no such limit. steps: nodes or cells that a \
+    ray visits; tests: primitives that it is tested against; spared: those of the tests that a mailbox of 8 avoids, \
+    since the ray met the primitive in a cell before. Camera rays start at a camera, diffuse and shadow rays where \
+    those hit, chords run between points on a sphere around all. Shadow rays ask for any hit, so they stop at the \
+    first they find; the others ask for the closest. Mrays/s: millions of rays a second without a mailbox, medians; \
+    groups are of 64 rays, which this version answers one after another. times the list: one by one.";
 
 /// The tables as text.
 pub fn report(facts: &Value) -> String {
