@@ -1,6 +1,8 @@
 //! Tools beside cargo, programs with a time limit, and the scenes that firmware and web are tried on.
-use flashray::blob::KINDS;
-use std::collections::HashMap;
+use flashray::blob::{Buffer, KINDS};
+use flashray::voxel::{BLOCKS, FLAT};
+use flashray::{Kind, Scene};
+use std::collections::{BTreeSet, HashMap};
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
@@ -9,7 +11,7 @@ use std::time::{Duration, Instant};
 
 /// Bytes from which a blob does not fit into the firmware's internal flash.
 const INTERNAL_FLASH: u64 = 3_500_000;
-/// What is built in every structure: all kinds of primitives, and triangles alone.
+/// What is built in every structure by both rules: all kinds of primitives, and triangles alone.
 pub const INPUTS: [(&str, &str); 2] = [("balls", "spd:balls:2"), ("teapot", "spd:teapot:4")];
 
 /// Says what is left out, even in a test that passes: the harness keeps what the macros print, and shows it only when
@@ -149,19 +151,24 @@ pub struct Fixture {
     pub answer: (String, u32),
 }
 
-/// All scenes, made once: two inputs in every structure, a blob in external flash, and bunny where its mesh is.
+/// All scenes, made once: two inputs in every structure by both rules (voxels have a form for each), a blob in external
+/// flash, and bunny where its mesh is.
 pub static FIXTURES: LazyLock<Vec<Fixture>> = LazyLock::new(|| {
     let bunny = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/meshes/bunny.obj");
     let mut fixtures = Vec::new();
     for (image, input) in INPUTS {
-        let kinds = KINDS.iter().map(|(_, kind)| blob(image, input, kind, None));
-        fixtures.extend(kinds);
+        for (kind, name) in KINDS {
+            // The list knows no rule.
+            let rules = if *kind == Kind::List { &["sah"][..] } else { &["seed", "sah"] };
+            fixtures.extend(rules.iter().map(|rule| blob(image, input, [name, rule], None)));
+        }
+        assert_both_forms(image, &fixtures);
     }
-    fixtures.push(blob("xip", "spd:balls:2", "bvh", Some(".xip")));
+    fixtures.push(blob("xip", "spd:balls:2", ["bvh", "sah"], Some(".xip")));
     match bunny.to_str() {
-        Some(path) if bunny.is_file() => fixtures.push(blob("bunny", path, "bvh", None)),
+        Some(path) if bunny.is_file() => fixtures.push(blob("bunny", path, ["bvh", "sah"], None)),
         _ => say_skipped(
-            "scene bunny-bvh",
+            "scene bunny-bvh-sah",
             &format!("there is no {}, a mesh too large for the repository", bunny.display()),
         ),
     }
@@ -180,18 +187,29 @@ pub static FIXTURES: LazyLock<Vec<Fixture>> = LazyLock::new(|| {
     fixtures
 });
 
-/// Makes one scene; its answer comes later.
-fn blob(image: &'static str, input: &str, structure: &str, section: Option<&str>) -> Fixture {
+/// Makes one scene, by structure and rule; its answer comes later.
+fn blob(image: &'static str, input: &str, [structure, rule]: [&str; 2], section: Option<&str>) -> Fixture {
     let tmp = Path::new(env!("CARGO_TARGET_TMPDIR"));
-    let name = format!("{image}-{structure}");
+    let name = format!("{image}-{structure}-{rule}");
     let (blob, module) = (tmp.join(&name).with_extension("fray"), tmp.join(&name).with_extension("rs"));
     let flashray = || Command::new(env!("CARGO_BIN_EXE_flashray"));
-    succeed(flashray().args(["build", input, "--structure", structure, "-o"]).arg(&blob));
+    succeed(flashray().args(["build", input, "--structure", structure, "--rule", rule, "-o"]).arg(&blob));
     let size = blob.metadata().expect("a blob's size").len();
     let section = section.or((size > INTERNAL_FLASH).then_some(".xip"));
     let section = section.map_or(vec![], |s| vec!["--section", s]);
     succeed(flashray().arg("emit").arg(&blob).args(["--as", "rust", "-o"]).arg(&module).args(section));
     Fixture { name, image, blob, module, answer: (String::new(), 0) }
+}
+
+/// Voxels are walked by other code in each of their forms: both must be in an image.
+fn assert_both_forms(image: &str, fixtures: &[Fixture]) {
+    let form = |fixture: &Fixture| {
+        let blob = Buffer::from(&std::fs::read(&fixture.blob).expect("a blob")[..]);
+        let voxels = Scene::trust(&blob).expect("a good blob").voxel()?.voxels?;
+        Some(voxels.table.form)
+    };
+    let forms: BTreeSet<u32> = fixtures.iter().filter(|f| f.image == image).filter_map(form).collect();
+    assert_eq!(forms, BTreeSet::from([FLAT, BLOCKS]), "{image}: forms of voxels");
 }
 
 /// The probe on the host, for each scene.
