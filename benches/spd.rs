@@ -26,6 +26,7 @@
 mod camera;
 #[path = "../src/bin/flashray/normal.rs"]
 mod normal;
+mod page;
 #[path = "../src/bin/flashray/soup.rs"]
 mod soup;
 #[path = "../src/bin/flashray/spd/mod.rs"]
@@ -39,7 +40,6 @@ use flashray::{Hit, Kind, Scene, Steps};
 use rayon::prelude::*;
 use spd::Spd;
 use std::fmt::Write as _;
-use std::path::Path;
 use std::process::ExitCode;
 use whitted::Rays;
 
@@ -96,8 +96,6 @@ const KINDS: [Kind; 7] = [Kind::Grid, Kind::Voxel, Kind::Nested, Kind::Octree, K
 const CROWD: u64 = 100;
 /// every 16th of the others.
 const SAMPLE: usize = 16;
-const PAGE: &str = "docs/structures.md";
-const MARKS: [&str; 2] = ["<!-- spd counts -->\n", "<!-- end of spd counts -->"];
 
 fn main() -> ExitCode {
     let (options, named): (Vec<String>, Vec<String>) = std::env::args().skip(1).partition(|a| a.starts_with("--"));
@@ -119,8 +117,8 @@ fn main() -> ExitCode {
     if tables.wrong > 0 {
         return failure(&format!("{} answers differ from the bvh's", tables.wrong));
     }
-    match docs.then(|| tables.put(Path::new(env!("CARGO_MANIFEST_DIR")).join(PAGE).as_path())) {
-        Some(Err(why)) => failure(&format!("{PAGE}: {why}")),
+    match docs.then(|| page::put("spd counts", &tables.text())) {
+        Some(Err(why)) => failure(&why),
         _ => ExitCode::SUCCESS,
     }
 }
@@ -197,17 +195,6 @@ impl Tables {
             "{}\nCounted on {of}; with ~, where a ray is tested against more than {CROWD} objects, on one in {sample}.\n\n{}",
             self.rays, self.counts
         )
-    }
-
-    /// Puts the tables between the page's marks.
-    fn put(&self, page: &Path) -> Result<(), String> {
-        let text = std::fs::read_to_string(page).map_err(|e| e.to_string())?;
-        let [begin, end] = MARKS.map(|mark| text.find(mark));
-        let (Some(begin), Some(end)) = (begin.map(|at| at + MARKS[0].len()), end) else {
-            return Err(format!("no marks {}", MARKS.concat()));
-        };
-        let new = format!("{}{}{}", &text[..begin], self.text(), &text[end..]);
-        std::fs::write(page, new).map_err(|e| e.to_string())
     }
 }
 

@@ -5,6 +5,10 @@
 //! mailbox remembers which were tested. It belongs to the caller and not to the blob, which stays read-only and can be
 //! shared; and it only saves work: the best hit is kept wherever it lies, so an answer never depends on what a mailbox
 //! remembers.
+//!
+//! Plain queries take none: a mailbox is asked about every primitive listed, also where most are met once, and in grids
+//! that lost on some scenes as much time as it saved on others. `docs/structures.md` has the table, `benches/mailbox.rs`
+//! measures it.
 
 /// What remembers the primitives that a ray was tested against.
 pub trait Mailbox {
