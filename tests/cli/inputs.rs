@@ -64,3 +64,21 @@ fn every_format_is_read() {
         assert!(folder.get("a.fray") == folder.get("truth"), "{ending}: another blob than the OBJ's");
     }
 }
+
+#[cfg(target_os = "linux")]
+#[test]
+fn devices_are_not_blobs_and_pipes_may_be() {
+    use std::io::Write as _;
+    let folder = Folder::with_cube("inputs-devices");
+    let verbs = ["info ZERO", "check ZERO", "emit ZERO --as rust -o out", "rays ZERO -o out", "render ZERO -o out"];
+    let traces = ["trace ZERO --rays ZERO -o out", "trace cube.fray --rays ZERO -o out"];
+    for verb in verbs.into_iter().chain(traces) {
+        folder.fails(&verb.replace("ZERO", "/dev/zero"), &["flashray: /dev/zero: ", "device"]);
+    }
+    let (reader, mut writer) = std::io::pipe().expect("a pipe");
+    // The blob is shorter than what a pipe holds.
+    writer.write_all(&folder.get("cube.fray")).expect("a pipe takes this");
+    drop(writer);
+    let output = folder.command("check /dev/stdin").stdin(reader).output().expect("the command starts");
+    assert_eq!((output.status.code(), super::text(&output.stderr).as_str()), (Some(0), ""));
+}

@@ -52,18 +52,26 @@ fn links_stay_links_and_devices_stay_devices() {
     let folder = folder("out-links");
     folder.put("target", "old");
     symlink("target", folder.path("link")).expect("a link");
+    // To a file that is not there yet, by way of another link.
+    symlink("there", folder.path("far")).expect("a link");
+    symlink("new-target", folder.path("there")).expect("a link");
     // Through a link, so that a mistake costs the link and not the device.
     symlink("/dev/null", folder.path("null")).expect("a link");
     for verb in VERBS {
         folder.ok(&verb.replace("OUT", "plain"));
-        for name in ["link", "null"] {
+        let _ = fs::remove_file(folder.path("new-target"));
+        for name in ["link", "null", "far"] {
             folder.ok(&verb.replace("OUT", name));
             assert!(folder.path(name).is_symlink(), "{verb}: {name} is no link any more");
         }
         if !verb.contains("--as c") {
             assert!(folder.get("target") == folder.get("plain"), "{verb}: the link was not followed");
+            assert!(folder.get("new-target") == folder.get("plain"), "{verb}: the links were not followed");
         }
     }
+    assert!(folder.path("there").is_symlink());
+    symlink("circle", folder.path("circle")).expect("a link");
+    folder.fails("build spd:balls:1 -o circle", &["flashray: circle: ", "links"]);
     assert!(!fs::metadata(folder.path("null")).expect("a device").is_file());
     let names = folder.snapshot().into_keys().filter(|path| path.to_string_lossy().contains(".part"));
     assert_eq!(names.count(), 0, "temporary files are left");

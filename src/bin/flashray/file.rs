@@ -3,7 +3,7 @@ use crate::Failure;
 use flashray::blob::Buffer;
 use flashray::{BlobError, Scene};
 use std::fs;
-use std::io::Write as _;
+use std::io::{Read as _, Write as _};
 use std::path::{Path, PathBuf};
 
 /// A sentence for an error of the operating system, with the path in front.
@@ -11,17 +11,48 @@ pub fn failure(path: &Path, error: &std::io::Error) -> Failure {
     format!("{}: {error}", path.display())
 }
 
+/// The most that is read of what has no length of its own, as a pipe, and so may have no end: no blob is longer.
+const MOST: u64 = u32::MAX as u64;
+
 /// The bytes of a file, at an address that suits a blob.
 pub fn read(path: &Path) -> Result<Buffer, Failure> {
-    if path.is_dir() {
+    // The kind is asked before opening, which may have effects of its own on a device.
+    let meta = fs::metadata(path).map_err(|e| failure(path, &e))?;
+    if meta.is_dir() {
         return Err(format!("{}: is a directory", path.display()));
     }
-    let bytes = fs::read(path).map_err(|e| failure(path, &e))?;
-    Ok(Buffer::from(&bytes[..]))
+    if is_device(&meta) {
+        return Err(format!("{}: is a device, which may have no end", path.display()));
+    }
+    let bytes = if meta.is_file() { fs::read(path) } else { read_stream(path) };
+    Ok(Buffer::from(&bytes.map_err(|e| failure(path, &e))?[..]))
 }
 
-/// A scene in a file's bytes, fully checked.
+fn read_stream(path: &Path) -> std::io::Result<Vec<u8>> {
+    let mut bytes = Vec::new();
+    let mut stream = fs::File::open(path)?.take(MOST);
+    stream.read_to_end(&mut bytes)?;
+    if stream.limit() > 0 { Ok(bytes) } else { Err(std::io::Error::other(format!("no end within {MOST} bytes"))) }
+}
+
+/// Whether this is read character by character: a terminal, or one of those that never end.
+fn is_device(meta: &fs::Metadata) -> bool {
+    #[cfg(unix)]
+    return std::os::unix::fs::FileTypeExt::is_char_device(&meta.file_type());
+    #[cfg(not(unix))]
+    return false;
+}
+
+/// A scene in a file's bytes, fully checked while a spinner turns.
 pub fn scene<'a>(path: &Path, bytes: &'a [u8]) -> Result<Scene<'a>, Failure> {
+    let spinner = crate::cmd::spinner("checking");
+    let scene = checked(path, bytes);
+    spinner.finish_and_clear();
+    scene
+}
+
+/// The same for those who show something else meanwhile.
+pub fn checked<'a>(path: &Path, bytes: &'a [u8]) -> Result<Scene<'a>, Failure> {
     Scene::from_bytes(bytes).map_err(|e: BlobError| format!("{}: {e}", path.display()))
 }
 
@@ -45,6 +76,19 @@ pub fn say(text: &str) -> Result<(), Failure> {
     }
 }
 
+/// Where a path leads that leads to no file yet: to the end of a chain of links, or to itself.
+fn target(path: &Path) -> Result<PathBuf, Failure> {
+    let mut target = path.to_path_buf();
+    // As many as Linux follows.
+    for _ in 0..40 {
+        match fs::read_link(&target) {
+            Ok(next) => target = target.parent().unwrap_or(Path::new("")).join(next),
+            Err(_) => return Ok(target),
+        }
+    }
+    Err(format!("{}: too many links that lead to each other", path.display()))
+}
+
 /// A file under a temporary name beside its own, removed unless it gets that.
 struct Part<'a> {
     path: &'a Path,
@@ -61,7 +105,7 @@ impl<'a> Part<'a> {
             Ok(meta) if meta.is_file() => fs::canonicalize(path).map_err(|e| failure(path, &e))?,
             // A device or a pipe: renaming would put a file in its place.
             Ok(_) => return fs::write(path, bytes).map(|()| Self { path, names: None }).map_err(|e| failure(path, &e)),
-            Err(_) => path.to_path_buf(),
+            Err(_) => target(path)?,
         };
         let mut hidden = std::ffi::OsString::from(".");
         hidden.push(name);

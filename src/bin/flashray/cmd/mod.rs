@@ -22,7 +22,7 @@ fn progress(what: &'static str, len: u64) -> ProgressBar {
 }
 
 /// The same for work whose length nobody knows.
-fn spinner(what: &'static str) -> ProgressBar {
+pub fn spinner(what: &'static str) -> ProgressBar {
     let bar = ProgressBar::new_spinner().with_message(what).with_finish(ProgressFinish::AndClear);
     bar.enable_steady_tick(std::time::Duration::from_millis(250));
     bar

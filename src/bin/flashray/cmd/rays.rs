@@ -37,13 +37,17 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     let scenes = args.files.iter().zip(&all).map(|(path, bytes)| file::scene(path, bytes));
     let scenes = scenes.collect::<Result<Vec<_>, _>>()?;
     let count = args.count as usize;
-    let rays = match (&scenes[..], args.hostile) {
-        (scenes, true) => Targets::new(scenes).rays(count, args.seed),
-        ([scene], false) => sample(scene, count, args.seed),
-        _ => crate::args::usage("several blobs make sense with --hostile only"),
+    if scenes.len() > 1 && !args.hostile {
+        crate::args::usage("several blobs make sense with --hostile only");
+    }
+    let spinner = super::spinner("aiming");
+    let rays = match &scenes[..] {
+        [scene] if !args.hostile => sample(scene, count, args.seed),
+        scenes => Targets::new(scenes).rays(count, args.seed),
     };
     let rays: Vec<u8> = rays.iter().flat_map(encode_ray).collect();
     file::write(&args.output, &rays)?;
+    spinner.finish_and_clear();
     file::say(&format!("{}: {} rays", args.output.display(), args.count))
 }
 
