@@ -39,6 +39,7 @@ mod geometry;
 mod grid;
 mod nested;
 mod octree;
+mod parts;
 #[path = "spd.rs"]
 mod spd_hits;
 mod sphere;

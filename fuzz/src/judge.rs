@@ -9,6 +9,10 @@ const FUEL: u32 = 10_000;
 
 /// Asks a scene whose bytes nobody checked. It may answer anything; it must answer.
 pub fn survive(scene: &Scene<'_>, ray: &Ray) {
+    // A block of voxels is one step until a walk sees that it has any: then it is 64 parts more.
+    let (mut parts, most) = (0, 65 * u64::from(scene.limits().steps) + 1);
+    scene.parts(|_| parts += 1);
+    assert!(parts <= most, "{parts} parts are told of, and there are {most} at most");
     let hit = scene.closest_hit(ray);
     if let Some(hit) = hit {
         assert!(hit.t >= ray.t_min && hit.t <= ray.t_max && hit.t.is_finite(), "{hit:?} is outside of {ray:?}");

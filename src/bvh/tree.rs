@@ -27,11 +27,15 @@ pub(crate) fn root<N>(nodes: &[N], prims: u32) -> Child {
 
 /// Calls `each` with every inner node and every leaf, a node before what is below it.
 pub(crate) fn parts<N: Branch>(nodes: &[N], prims: u32, bounds: &Aabb, each: &mut impl FnMut(Part)) {
+    // Nodes that were not checked may go round in circles: no more are opened than there are.
+    let mut left = nodes.len();
     let mut todo = heapless::Vec::<(Child, Aabb, u32), 128>::new();
     let mut next = (prims > 0).then_some((root(nodes, prims), *bounds, 0));
     while let Some((child, bounds, level)) = next.take().or_else(|| todo.pop()) {
         each(Part { bounds, level, listed: (!child.is_node()).then_some(child.len()) });
         let Some(node) = nodes.get(index(child.number())).filter(|_| child.is_node()) else { continue };
+        let Some(fewer) = left.checked_sub(1) else { return };
+        left = fewer;
         let [first, second] = node.children();
         // Twice as long as any tree is deep.
         let _ = todo.push((second, node.bounds(1), level.saturating_add(1)));

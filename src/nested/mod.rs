@@ -158,6 +158,8 @@ impl<'a> View<'a> {
     pub fn parts(&self, each: &mut impl FnMut(Part)) {
         // Grids of one level stand together, because they are numbered in the order of the cells that hold them.
         let (mut level, mut level_end, mut seen) = (1u32, 1, 1u32);
+        // Grids that were not checked may share cells: no more are told of than there are.
+        let mut left = self.words.len();
         for (number, grid) in self.grids.iter().enumerate() {
             if number >= level_end {
                 (level, level_end) = (level.saturating_add(1), index(seen));
@@ -165,6 +167,8 @@ impl<'a> View<'a> {
             let shape = grid.shape();
             for at in 0..shape.len().unwrap_or(0) {
                 let Some(cell) = self.get(grid.first.wrapping_add(at)) else { return };
+                let Some(fewer) = left.checked_sub(1) else { return };
+                left = fewer;
                 let listed = match cell {
                     Cell::Grid(_) => None,
                     Cell::List(list) => Some(count(list.len())),

@@ -196,6 +196,8 @@ impl<'a> View<'a> {
         let Some(shape) = self.shape else {
             return each(Part { bounds: *self.bounds, level: 0, listed: listed(0) });
         };
+        // Nodes that were not checked may go round in circles: no more are opened than there are.
+        let mut left = self.nodes.len().saturating_sub(1);
         let mut way = Way::new();
         let root = Cell::root(shape);
         each(Part { bounds: root.bounds(&shape.lattice), level: 0, listed: None });
@@ -213,6 +215,8 @@ impl<'a> View<'a> {
                 Child::Empty => {}
                 Child::Leaf(list) => each(Part { bounds, level, listed: listed(list) }),
                 Child::Node(number) => {
+                    let Some(fewer) = left.checked_sub(1) else { return };
+                    left = fewer;
                     each(Part { bounds, level, listed: None });
                     let _ = way.push(Waiting { number, cell, rest: 0xff });
                 }
