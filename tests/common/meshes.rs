@@ -138,11 +138,40 @@ pub fn mixed(n: u32, seed: u64) -> Soup {
     soup
 }
 
+/// A power of two, denormal ones too: those of f32 are made from their inverse, which overflows.
+pub fn power(exponent: i32) -> f32 {
+    2.0f64.powi(exponent) as f32
+}
+
+/// The same triangles, each corner moved to the nearest whole multiple of a power of two, of which the largest
+/// coordinate has between `2^(bits - 1)` and `2^bits`.
+pub fn snapped(soup: &Soup, bits: i32) -> Soup {
+    let size = soup.positions.iter().flatten().fold(0.0f32, |a, x| a.max(x.abs()));
+    let unit = power(size.log2().ceil() as i32 - bits);
+    let snap = |p: &[f32; 3]| p.map(|x| (x / unit).round() * unit);
+    Soup { positions: soup.positions.iter().map(snap).collect(), ..soup.clone() }
+}
+
 /// The same mesh, `scale` times as large.
 pub fn scaled(soup: &Soup, scale: f32) -> Soup {
     let mut soup = soup.clone();
-    for p in &mut soup.positions {
-        *p = p.map(|x| x * scale);
+    let larger = |p: &mut [f32; 3]| *p = p.map(|x| x * scale);
+    soup.positions.iter_mut().for_each(larger);
+    for s in &mut soup.spheres {
+        larger(&mut s.center);
+        s.radius *= scale;
+    }
+    for b in &mut soup.boxes {
+        [&mut b.min, &mut b.max].into_iter().for_each(larger);
+    }
+    for c in &mut soup.cylinders {
+        [&mut c.base, &mut c.top].into_iter().for_each(larger);
+        c.radius *= scale;
+    }
+    for c in &mut soup.cones {
+        [&mut c.base, &mut c.top].into_iter().for_each(larger);
+        c.base_radius *= scale;
+        c.top_radius *= scale;
     }
     soup
 }
