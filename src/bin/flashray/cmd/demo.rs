@@ -61,9 +61,9 @@ fn scene(args: &Args, name: &str) -> Result<(Value, Picture), Failure> {
     let seconds = start.elapsed().as_secs_f64();
     file::write(&path, &blob)?;
     let bytes = file::read(&path)?;
-    let scene = file::scene(&path, &bytes)?;
+    let scene = file::checked(&path, &bytes)?;
     let list = Buffer::from(&build(Kind::List)?[..]);
-    let list = file::scene(&path, &list)?;
+    let list = file::checked(&path, &list)?;
     let mut facts = compare(&scene, &list, &rays(args, &spd, &scene));
     let shape = Shape::new(&scene);
     facts["scene"] = json!(format!("{}:{}", spd.name, spd.size));
@@ -82,8 +82,9 @@ fn scene(args: &Args, name: &str) -> Result<(Value, Picture), Failure> {
 
 /// How many answers differ from the list's in any bit, and how fast both are.
 fn compare(scene: &Scene<'_>, list: &Scene<'_>, rays: &[Ray]) -> Value {
-    let (slow, truth) = time(rays, |ray| list.closest_hit(ray));
-    let (fast, hits) = time(rays, |ray| scene.closest_hit(ray));
+    let truth: Vec<_> = rays.par_iter().map(|ray| list.closest_hit(ray)).collect();
+    let hits: Vec<_> = rays.par_iter().map(|ray| scene.closest_hit(ray)).collect();
+    let [slow, fast] = time(rays, [list, scene]);
     let wrong = hits.iter().zip(&truth).filter(|&(&a, &b)| encode_hit(a) != encode_hit(b)).count();
     json!({ "rays": rays.len(), "wrong": wrong, "mrays_per_second": fast, "list_mrays_per_second": slow })
 }
@@ -111,19 +112,56 @@ fn rays(args: &Args, spd: &Spd, scene: &Scene<'_>) -> Vec<Ray> {
     view.chain(sample).collect()
 }
 
-/// Millions of rays a second on one thread, and the answers, which all cores help to find.
-fn time<T: Send + Copy>(rays: &[Ray], ask: impl Fn(&Ray) -> T + Sync) -> (f64, Vec<T>) {
-    let answers = rays.par_iter().map(&ask).collect();
-    // One thread, on as many rays as take a moment: the list would take minutes for all.
-    let (start, mut done) = (Instant::now(), 0);
-    for ray in rays.iter().step_by(7).cycle() {
-        std::hint::black_box(ask(ray));
-        done += 1;
-        if done % 32 == 0 && start.elapsed().as_millis() > 150 {
-            break;
+/// Times that each scene is timed; the median counts.
+const ROUNDS: usize = 5;
+/// Seconds that one round of one scene is to take.
+const ROUND: f64 = 0.03;
+/// Rays of a first look at how many make a round. A round of that many, not counted, looks again and warms the caches.
+const FIRST: usize = 64;
+
+/// Millions of closest hits a second on one thread: the median of rounds, in which the scenes take turns, so that a
+/// slow moment of the machine is one for both.
+fn time(rays: &[Ray], scenes: [&Scene<'_>; 2]) -> [f64; 2] {
+    let rounds = scenes.map(|scene| {
+        let round = |rate: f64| Round::new(rays.len(), (rate * 1e6 * ROUND) as usize);
+        let guess = Round::new(rays.len(), FIRST).rate(scene, rays, 0);
+        round(round(guess).rate(scene, rays, 0))
+    });
+    let mut rates = [[0.0; ROUNDS]; 2];
+    for turn in 0..ROUNDS {
+        for ((round, scene), rates) in rounds.iter().zip(scenes).zip(&mut rates) {
+            rates[turn] = round.rate(scene, rays, turn);
         }
     }
-    (super::millions_per_second(done, start.elapsed().as_secs_f64()), answers)
+    rates.map(|mut rates| {
+        rates.sort_by(f64::total_cmp);
+        rates[ROUNDS / 2]
+    })
+}
+
+/// What is traced in a round: every so many-th of all rays, or all of them several times.
+struct Round {
+    stride: usize,
+    passes: usize,
+}
+
+impl Round {
+    /// For about `wanted` of `all` rays. The stride is odd, lest it take the same columns of each row of pixels.
+    fn new(all: usize, wanted: usize) -> Self {
+        Self { stride: (all / wanted.max(1)) | 1, passes: (wanted / all.max(1)).max(1) }
+    }
+
+    /// Millions of rays a second, begun at another ray each turn.
+    fn rate(&self, scene: &Scene<'_>, rays: &[Ray], turn: usize) -> f64 {
+        let (start, mut done) = (Instant::now(), 0);
+        for _ in 0..self.passes {
+            for ray in rays.iter().skip(turn * self.stride.min(rays.len()) / ROUNDS).step_by(self.stride) {
+                std::hint::black_box(scene.closest_hit(ray));
+                done += 1;
+            }
+        }
+        super::millions_per_second(done, start.elapsed().as_secs_f64())
+    }
 }
 
 /// The tiles, in rows, with gaps.
