@@ -1,5 +1,5 @@
 //! Every structure against the list: `t`, `u`, `v` and `prim`, bit by bit.
-use crate::common::meshes::{cube, icosphere, mixed, scaled};
+use crate::common::meshes::{cube, icosphere, mixed, power, scaled};
 use crate::common::rays::hostile;
 use crate::common::{bits, build, configs, shared_mesh};
 use crate::soup::Soup;
@@ -90,6 +90,17 @@ fn tests_are_counted_up_to_the_hit_that_ends_them() {
                 assert!(steps.prims == tests || steps.nodes == 0 && !found, "{}: {ray:?}", scene.kind().name());
             }
         }
+    }
+}
+
+#[test]
+fn primitives_of_all_kinds_at_any_scale() {
+    for (i, exponent) in [-100, 100].into_iter().enumerate() {
+        agree("scaled mixed", &scaled(&mixed(100, 4), power(exponent)), 1_000, 13 + i as u64);
+    }
+    // Few rays: what pads a slab is larger than these scenes, so that a ray meets every cell.
+    for (i, scale) in [1e-38, 1e-40, 1e-42].into_iter().enumerate() {
+        agree("denormal mixed", &scaled(&mixed(40, 4), scale), 100, 17 + i as u64);
     }
 }
 

@@ -7,10 +7,13 @@
 use super::aabb::Aabb;
 use super::ray::Prepared;
 use super::root::sqrt;
-use super::vec::{Vec3, add_scaled, dot, most, scale, size, sub};
+use super::vec::{Vec3, add_scaled, dot, in_units, most, scale, size, sub};
 use bytemuck::{Pod, Zeroable};
 
 /// A round cylinder between two points.
+///
+/// It may be missed if it is shorter than `2^-63` of its radius, or farther from a ray's origin than 1e38 times its
+/// size: numbers for that are too small or too large.
 ///
 /// ```
 /// use flashray::Cylinder;
@@ -31,6 +34,9 @@ pub struct Cylinder {
 }
 
 /// A truncated cone between two circles; a pointed cone has one radius of 0.
+///
+/// It may be missed if it is shorter than `2^-63` of its greater radius, or farther from a ray's origin than 1e38 times
+/// its size: numbers for that are too small or too large.
 ///
 /// ```
 /// use flashray::Cone;
@@ -154,12 +160,11 @@ impl Local {
     fn new(cone: &Cone, ray: &Prepared) -> Option<Self> {
         let axis = sub(cone.top, cone.base);
         let unit = most(most(cone.base_radius, cone.top_radius), size(axis));
-        let shrink = 1.0 / unit;
-        let axis = scale(axis, shrink);
-        let ends = [cone.base_radius * shrink, cone.top_radius * shrink];
+        let radii = [cone.base_radius, cone.top_radius, 0.0];
+        let [axis, from, [base, top, _]] = in_units([axis, sub(ray.origin, cone.base), radii], unit);
+        let ends = [base, top];
         let length2 = dot(axis, axis);
         let (dir, to_t) = ray.scaled_dir();
-        let from = scale(sub(ray.origin, cone.base), shrink);
         let start = dot(add_scaled(from, -0.5, axis), dir) / -dot(dir, dir);
         let from = add_scaled(from, start, dir);
         let height = [dot(from, axis) / length2, dot(dir, axis) / length2];

@@ -19,8 +19,10 @@
 //!    `3u E`; rule 6 needs another `10u E`. The pad is `32u E`, plus `2u |o|` so that adding it to the origin survives
 //!    rounding, plus the least normal number for scenes so small that products underflow. This holds while `v - o` and
 //!    `S (v - o)` do not overflow: coordinates and origins up to 1e37 in size, directions up to 2^126, and `t` within
-//!    f32. The tests go from 1e-42 to 1e30. Beyond that range answers are still the same everywhere, and still those of
-//!    the list, but a crossing may be lost.
+//!    f32. The tests go from 1e-42 to 1e30, for every kind of primitive. What is curved is measured in units of its own
+//!    size: that must be 1e-38 of its distance from the origin or more, and a cylinder or cone must not be shorter than
+//!    `2^-63` of its radius. Beyond that range answers are still the same everywhere, and still those of the list, but
+//!    a crossing may be lost.
 //! 5. Only `+ - * /` and square root reach a result, in the order written, never contracted. Minimum and maximum are
 //!    compare-and-select, in an order that says what becomes of a NaN.
 //!

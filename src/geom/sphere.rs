@@ -6,7 +6,7 @@
 use super::aabb::Aabb;
 use super::ray::Prepared;
 use super::root::sqrt;
-use super::vec::{add_scaled, dot, scale, sub};
+use super::vec::{add_scaled, dot, in_units, sub};
 use bytemuck::{Pod, Zeroable};
 
 /// A sphere: the surface only, crossed up to twice by a ray.
@@ -15,7 +15,8 @@ use bytemuck::{Pod, Zeroable};
 pub struct Sphere {
     /// Centre, in scene units.
     pub center: [f32; 3],
-    /// Radius, in scene units; 0 or more. A sphere of radius 0 is never hit.
+    /// Radius, in scene units; 0 or more. A sphere of radius 0 is never hit, nor need one be by a ray that starts
+    /// farther than 1e38 radii away.
     pub radius: f32,
 }
 
@@ -37,7 +38,7 @@ impl Sphere {
             return None;
         }
         let (dir, to_t) = ray.scaled_dir();
-        let from = scale(sub(ray.origin, self.center), 1.0 / self.radius);
+        let [from] = in_units([sub(ray.origin, self.center)], self.radius);
         let a = dot(dir, dir);
         let middle = -dot(from, dir) / a;
         let nearest = add_scaled(from, middle, dir);

@@ -24,6 +24,29 @@ pub fn scale(a: Vec3, s: f32) -> Vec3 {
     [a[0] * s, a[1] * s, a[2] * s]
 }
 
+/// What the in-between steps of tiny lengths are multiplied by.
+const LARGER: f32 = 18_446_744_073_709_551_616.0; // 2^64
+
+/// Each of `a` in units of `unit`, by its inverse.
+///
+/// That of a denormal number may overflow, so that all is then made larger first, by a power of two. Behind a branch,
+/// because the others need not wait for a factor of 1.
+#[inline(always)]
+pub fn in_units<const N: usize>(a: [Vec3; N], unit: f32) -> [Vec3; N] {
+    if unit < f32::MIN_POSITIVE {
+        return in_tiny_units(a, unit);
+    }
+    let inverse = 1.0 / unit;
+    a.map(|a| scale(a, inverse))
+}
+
+#[cold]
+#[inline(never)]
+fn in_tiny_units<const N: usize>(a: [Vec3; N], unit: f32) -> [Vec3; N] {
+    let inverse = 1.0 / (unit * LARGER);
+    a.map(|a| scale(scale(a, LARGER), inverse))
+}
+
 /// `a . b`, summed x, y, z.
 #[inline(always)]
 pub fn dot(a: Vec3, b: Vec3) -> f32 {
