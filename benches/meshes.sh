@@ -8,8 +8,8 @@
 #
 #   benches/meshes.sh ../shared/meshes/*.obj [spd:balls ..]
 #
-# RAYS=100000 takes fewer rays; STRUCTURES="bvh grid" fewer structures. The list is slow: a million rays through 70,000
-# triangles take some ten minutes a core.
+# RAYS=100000 takes fewer rays, HOSTILE=20000 so many hostile ones among them; STRUCTURES="bvh grid" fewer structures.
+# The list is slow: a million rays through 70,000 triangles take some five minutes a core.
 set -euo pipefail
 root=$(cd "$(dirname "$0")/.." && pwd)
 cargo build --quiet --release --locked --features cli --manifest-path "$root/Cargo.toml"
@@ -17,6 +17,8 @@ flashray=${CARGO_TARGET_DIR:-$root/target}/release/flashray
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 rays=${RAYS:-1000000}
+hostile=${HOSTILE:-$((rays / 2))}
+fair=$((rays - hostile))
 all=$("$flashray" build --help | sed -n '/--structure/,/possible/s/.*possible values: \(.*\)\].*/\1/p' | tr -d , | head -n 1)
 structures=${STRUCTURES:-${all#list }}
 bad=0
@@ -37,12 +39,12 @@ for input in "$@"; do
       blobs+=("$work/$structure-$rule.fray")
     done
   done
-  "$flashray" rays "$work/list.fray" -o "$work/fair" --count $((rays / 2)) >/dev/null
-  "$flashray" rays "$work/list.fray" "${blobs[@]}" -o "$work/hostile" --hostile --count $((rays - rays / 2)) >/dev/null
+  "$flashray" rays "$work/list.fray" -o "$work/fair" --count $fair >/dev/null
+  "$flashray" rays "$work/list.fray" "${blobs[@]}" -o "$work/hostile" --hostile --count $hostile >/dev/null
   "$flashray" rays "$work/list.fray" -o "$work/few" --count $((rays / 200 + 1000)) >/dev/null
   slow=$(number "$("$flashray" trace "$work/list.fray" --rays "$work/few" -o "$work/few.hits" --threads 1 --json)" mrays_per_second)
-  "$flashray" rays "$work/list.fray" -o "$work/any-fair" --count $((rays / 20)) --seed 2 >/dev/null
-  "$flashray" rays "$work/list.fray" "${blobs[@]}" -o "$work/any-hostile" --hostile --count $((rays / 20)) --seed 2 >/dev/null
+  "$flashray" rays "$work/list.fray" -o "$work/any-fair" --count $((fair / 10)) --seed 2 >/dev/null
+  "$flashray" rays "$work/list.fray" "${blobs[@]}" -o "$work/any-hostile" --hostile --count $((hostile / 10)) --seed 2 >/dev/null
   for kind in fair hostile; do
     "$flashray" trace "$work/list.fray" --rays "$work/$kind" -o "$work/list.$kind" >/dev/null
     "$flashray" trace "$work/list.fray" --rays "$work/any-$kind" -o "$work/list.any-$kind" --any >/dev/null

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Draws the pictures of docs/structures.md anew and fills its tables: `flashray compare` on a small teapot for the
-# pictures, and on the scenes given, or on four procedural ones, for the numbers.
+# pictures, and on the scenes given, or on procedural ones and two meshes, for the numbers.
 #
 #   benches/structures.sh [IN ..]
 #
@@ -18,7 +18,14 @@ mkdir -p "$root/docs/img/slices"
 cp "$work"/*.svg "$root/docs/img/slices/"
 [ "${PICTURES:-}" = only ] && exit
 
-[ $# -gt 0 ] || set -- spd:teapot spd:balls spd:lattice spd:shells:3
+if [ $# -eq 0 ]; then
+  cd "$root"
+  set -- spd:teapot spd:balls spd:lattice spd:shells:3
+  # Meshes too large for the repository.
+  for mesh in ../shared/meshes/{bunny,kitchen}.obj; do
+    [ ! -f $mesh ] || set -- "$@" $mesh
+  done
+fi
 # What the columns mean, once: it is the paragraph that begins with "bytes: ".
 for input in "$@"; do
   "$flashray" compare "$input" --rounds "${ROUNDS:-9}" --rays "${RAYS:-50000}" >"$work/one"

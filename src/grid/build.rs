@@ -114,7 +114,7 @@ fn shape(bounds: &Aabb, cells: [u32; 3]) -> Shape {
     Shape { lattice: Lattice::over(bounds, cells), cells, reserved: 0 }
 }
 
-/// A resolution of about `total` cells, or of fewer if those are too many or would list too much, and its expected cost;
+/// A resolution of about `total` cells, or of fewer if those are too many or would list too much; its expected cost;
 /// and whether it is of as many.
 fn affordable(input: &Input<'_>, mut total: f32, choice: &Choice) -> (f32, [u32; 3], bool) {
     let mut whole = true;
