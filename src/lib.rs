@@ -40,6 +40,7 @@
 //! - `std` (default): the host's own square root. No query needs it, and no answer depends on it.
 //! - `build`: builders into memory that the caller lends. Still no heap.
 //! - `alloc`: builders that size themselves and return a `Vec<u8>`.
+//! - `parallel`: those on all cores, by rayon. The same bytes.
 //! - `cli`: the `flashray` command.
 #![cfg_attr(not(feature = "std"), no_std)]
 #![warn(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::as_conversions)]
@@ -63,6 +64,7 @@ pub mod sphere;
 mod structure;
 pub mod voxel;
 pub mod walk;
+pub mod wide;
 
 pub use blob::{BlobError, Kind};
 pub use geom::{Aabb, Cone, Cylinder, Hit, Ray, Sphere, Triangle};

@@ -1,12 +1,16 @@
 //! A loaded blob, and the queries on it.
+
+mod many;
+
 use crate::blob::prims::{Primitive, Prims};
 use crate::blob::{Blob, BlobError, Kind, Rule, Section};
 use crate::geom::ray::Prepared;
 use crate::geom::{Aabb, Hit, Ray};
 use crate::structure::Structure;
 use crate::walk::mailbox::{Mailbox, NoMailbox};
-use crate::walk::{Best, Fuel, Meter, Part, Steps, Stop, Tally};
-use crate::{bsp, bvh, grid, list, nested, octree, voxel};
+use crate::walk::prepare::Given;
+use crate::walk::{Best, Fuel, Isa, Meter, Part, Steps, Stop, Tally};
+use crate::{bsp, bvh, grid, list, nested, octree, voxel, wide};
 
 /// What bounds every query on a blob.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -45,6 +49,7 @@ pub struct Scene<'a> {
     kind: Kind,
     fuel: u32,
     limits: Limits,
+    isa: Isa,
 }
 
 impl<'a> Scene<'a> {
@@ -83,7 +88,7 @@ impl<'a> Scene<'a> {
             return Err(BlobError::new(Rule::StepsTrue, Section::Header).found(header.steps).needed(fuel));
         }
         let limits = Limits { stack: header.stack, steps: header.steps };
-        Ok(Self { prims, structure, bounds: &header.bounds, local: header.local, kind, fuel, limits })
+        Ok(Self { prims, structure, bounds: &header.bounds, local: header.local, kind, fuel, limits, isa: Isa::best() })
     }
 
     fn check(&self, blob: &Blob<'a>) -> Result<(), BlobError> {
@@ -100,14 +105,14 @@ impl<'a> Scene<'a> {
     #[inline]
     #[must_use]
     pub fn closest_hit(&self, ray: &Ray) -> Option<Hit> {
-        self.query::<false>(ray, &mut Fuel(self.fuel), &mut NoMailbox).unwrap_or(None)
+        self.query::<false>(ray, Fuel(self.fuel), &mut NoMailbox).unwrap_or(None)
     }
 
     /// Whether there is a hit in the ray's interval. Cheaper than asking for the closest.
     #[inline]
     #[must_use]
     pub fn any_hit(&self, ray: &Ray) -> bool {
-        self.query::<true>(ray, &mut Fuel(self.fuel), &mut NoMailbox).is_ok_and(|hit| hit.is_some())
+        self.query::<true>(ray, Fuel(self.fuel), &mut NoMailbox).is_ok_and(|hit| hit.is_some())
     }
 
     /// [`Scene::closest_hit`] that spends at most `fuel` steps: one per node visited and per primitive tested.
@@ -127,7 +132,7 @@ impl<'a> Scene<'a> {
     /// # }
     /// ```
     pub fn closest_hit_within(&self, ray: &Ray, fuel: u32) -> Result<Option<Hit>, Stop> {
-        match self.query::<false>(ray, &mut Fuel(fuel.min(self.fuel)), &mut NoMailbox) {
+        match self.query::<false>(ray, Fuel(fuel.min(self.fuel)), &mut NoMailbox) {
             // More than there are nodes and primitives: some must have been visited twice.
             Err(Stop::Fuel) if fuel >= self.fuel => Err(Stop::Corrupt),
             answer => answer,
@@ -211,47 +216,55 @@ impl<'a> Scene<'a> {
         self.query::<false>(ray, meter, mailbox)
     }
 
-    /// [`Scene::closest_hit`] for many rays: `hits[i]` becomes the answer to `rays[i]`. Of two lengths the lesser
-    /// counts. This version answers one after another.
-    pub fn closest_hits(&self, rays: &[Ray], hits: &mut [Option<Hit>]) {
-        for (ray, hit) in rays.iter().zip(hits) {
-            *hit = self.closest_hit(ray);
-        }
-    }
-
-    /// [`Scene::any_hit`] for many rays: `hits[i]` becomes the answer to `rays[i]`. Of two lengths the lesser counts.
-    /// This version answers one after another.
-    pub fn any_hits(&self, rays: &[Ray], hits: &mut [bool]) {
-        for (ray, hit) in rays.iter().zip(hits) {
-            *hit = self.any_hit(ray);
-        }
+    /// [`Scene::any_hit`] likewise.
+    ///
+    /// # Errors
+    /// [`Stop`], as the meter and the bytes will have it.
+    pub fn any_hit_metered(&self, ray: &Ray, meter: &mut impl Meter, mailbox: &mut impl Mailbox) -> Result<bool, Stop> {
+        mailbox.clear();
+        self.query::<true>(ray, meter, mailbox).map(|hit| hit.is_some())
     }
 
     #[inline]
     fn query<const ANY: bool>(
         &self,
         ray: &Ray,
-        meter: &mut impl Meter,
+        mut meter: impl Meter,
         mailbox: &mut impl Mailbox,
     ) -> Result<Option<Hit>, Stop> {
-        let Some(ray) = Prepared::new(ray, self.bounds, self.local) else {
-            return Ok(None);
-        };
         if self.prims.len == 0 {
             return Ok(None);
         }
+        if let Structure::Wide(view) = &self.structure {
+            let (prims, bounds, local) = (&self.prims, self.bounds, &self.local);
+            let ray = Given::new(ray);
+            return self.isa.run(wide::Query::<_, ANY> { view, prims, ray, bounds, local, meter });
+        }
+        let Some(ray) = Prepared::new(ray, self.bounds, self.local) else {
+            return Ok(None);
+        };
         let mut best = Best::new(ray.t_max);
         match &self.structure {
-            Structure::List => list::walk::<ANY>(&self.prims, &ray, &mut best, meter)?,
-            Structure::Bvh(view) => bvh::walk::<ANY>(view, &self.prims, &ray, &mut best, meter)?,
-            Structure::Grid(view) => view.walk::<ANY>(&self.prims, &ray, &mut best, meter, mailbox)?,
-            Structure::Voxel(view) => view.walk::<ANY>(&self.prims, &ray, &mut best, meter, mailbox)?,
-            Structure::Nested(view) => view.walk::<ANY>(&self.prims, &ray, &mut best, meter, mailbox)?,
-            Structure::Octree(view) => view.walk::<ANY>(&self.prims, &ray, &mut best, meter, mailbox)?,
-            Structure::Bsp(view) => view.walk::<ANY>(&self.prims, &ray, &mut best, meter, mailbox)?,
-            Structure::Sphere(view) => view.walk::<ANY>(&self.prims, &ray, &mut best, meter)?,
+            Structure::List => list::walk::<ANY>(&self.prims, &ray, &mut best, &mut meter)?,
+            Structure::Bvh(view) => bvh::walk::<ANY>(view, &self.prims, &ray, &mut best, &mut meter)?,
+            Structure::Grid(view) => view.walk::<ANY>(&self.prims, &ray, &mut best, &mut meter, mailbox)?,
+            Structure::Voxel(view) => view.walk::<ANY>(&self.prims, &ray, &mut best, &mut meter, mailbox)?,
+            Structure::Nested(view) => view.walk::<ANY>(&self.prims, &ray, &mut best, &mut meter, mailbox)?,
+            Structure::Octree(view) => view.walk::<ANY>(&self.prims, &ray, &mut best, &mut meter, mailbox)?,
+            Structure::Bsp(view) => view.walk::<ANY>(&self.prims, &ray, &mut best, &mut meter, mailbox)?,
+            Structure::Sphere(view) => view.walk::<ANY>(&self.prims, &ray, &mut best, &mut meter)?,
+            // Answered above, in one piece for each instruction set.
+            Structure::Wide(_) => false,
         };
         Ok(best.hit().map(|hit| Hit { t: hit.t * ray.unit, ..hit }))
+    }
+
+    /// The same scene with other instructions: all give the same answers. Only `wide` and groups
+    /// of rays use any; the fastest are the default.
+    #[must_use]
+    pub const fn with_isa(mut self, isa: Isa) -> Self {
+        self.isa = isa;
+        self
     }
 
     /// What bounds every query. After [`Scene::trust`] the stack is only what the header claims; no walk uses more than
@@ -294,7 +307,7 @@ impl<'a> Scene<'a> {
     /// Every primitive with the caller's number of it, in the structure's order, in blob coordinates.
     pub fn primitives(&self) -> impl Iterator<Item = (u32, Primitive)> + use<'a> {
         let prims = self.prims;
-        (0..prims.len).filter_map(move |slot| Some((prims.id(slot), prims.get(slot)?)))
+        (0..prims.slots()).filter_map(move |slot| Some((prims.id(slot), prims.get(slot)?)))
     }
 
     /// Calls `each` with every node and cell of the structure: for those who measure or draw it.

@@ -2,8 +2,9 @@
 use crate::blob::prims::Prims;
 use crate::blob::{Blob, BlobError, Kind};
 use crate::geom::Aabb;
-use crate::walk::Part;
-use crate::{bsp, bvh, grid, nested, octree, sphere, voxel};
+use crate::walk::group::{Group, Rays};
+use crate::walk::{Isa, Part, Stop, Tally};
+use crate::{bsp, bvh, grid, nested, octree, sphere, voxel, wide};
 
 /// The structure of a blob, by kind.
 #[derive(Clone, Copy, Debug)]
@@ -16,6 +17,7 @@ pub enum Structure<'a> {
     Octree(octree::View<'a>),
     Bsp(bsp::View<'a>),
     Sphere(sphere::View<'a>),
+    Wide(wide::View<'a>),
 }
 
 impl<'a> Structure<'a> {
@@ -54,6 +56,10 @@ impl<'a> Structure<'a> {
                 let view = sphere::View::parse(blob)?;
                 (Self::Sphere(view), view.steps(prims))
             }
+            Kind::Wide => {
+                let view = wide::View::parse(blob)?;
+                (Self::Wide(view), view.steps(prims))
+            }
         })
     }
 
@@ -71,6 +77,7 @@ impl<'a> Structure<'a> {
             Self::Octree(view) => view.check(prims),
             Self::Bsp(view) => view.check(prims),
             Self::Sphere(view) => view.check(prims, bounds),
+            Self::Wide(view) => view.check(prims, bounds),
         }
     }
 
@@ -85,6 +92,39 @@ impl<'a> Structure<'a> {
             Self::Octree(view) => view.parts(each),
             Self::Bsp(view) => view.parts(each),
             Self::Sphere(view) => view.parts(prims, bounds, each),
+            Self::Wide(view) => view.parts(prims, bounds, each),
         }
+    }
+
+    /// A group of rays, walked together if that is worth it. Returns whether they were.
+    ///
+    /// # Errors
+    /// [`Stop`] if the meter runs out or the bytes contradict themselves. Then there are no answers.
+    pub fn group<const ANY: bool, const LISTS: bool>(
+        &self,
+        rays: Rays<'_, 'a>,
+        isa: Isa,
+        meter: &mut Tally,
+    ) -> Result<bool, Stop> {
+        if rays.prims.len == 0 || !rays.are_near() {
+            return Ok(false);
+        }
+        let (prims, bounds) = (rays.prims, rays.bounds);
+        match self {
+            Self::Bvh(view) => {
+                isa.run(Group::<_, ANY, LISTS> { tree: bvh::group::Boxes { view, prims, bounds }, rays, meter })?;
+            }
+            Self::Octree(view) => {
+                isa.run(Group::<_, ANY, LISTS> { tree: octree::group::Cells { view, prims }, rays, meter })?;
+            }
+            Self::Bsp(view) => {
+                isa.run(Group::<_, ANY, LISTS> { tree: bsp::group::Cells { view, prims }, rays, meter })?;
+            }
+            Self::Sphere(view) => {
+                isa.run(Group::<_, ANY, LISTS> { tree: sphere::group::Spheres { view, prims, bounds }, rays, meter })?;
+            }
+            _ => return Ok(false),
+        }
+        Ok(true)
     }
 }

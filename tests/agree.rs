@@ -5,6 +5,7 @@ use crate::common::{bits, build, configs, shared_mesh};
 use crate::soup::Soup;
 use crate::{mesh, spd};
 use flashray::build::Config;
+use flashray::walk::Isa;
 use flashray::walk::mailbox::Last8;
 use flashray::{Hit, Kind, Ray, Scene};
 
@@ -29,7 +30,8 @@ fn agree(name: &str, soup: &Soup, count: usize, seed: u64) {
 /// Whether the ray hits; panics unless all structures say the same.
 fn same(name: &str, scenes: &[Scene<'_>], ray: &Ray) -> bool {
     let truth = scenes[0].closest_hit(ray);
-    for scene in scenes {
+    let others = scenes.iter().filter(|s| s.kind() == Kind::Wide).flat_map(|s| Isa::all().map(|isa| s.with_isa(isa)));
+    for scene in scenes.iter().copied().chain(others) {
         let kind = scene.kind().name();
         let (hit, steps) = scene.closest_hit_counted(ray);
         assert_eq!(bits(hit), bits(truth), "{name}, {kind}: {ray:?}");
@@ -37,7 +39,7 @@ fn same(name: &str, scenes: &[Scene<'_>], ray: &Ray) -> bool {
         let within = scene.closest_hit_within(ray, scene.limits().steps);
         assert_eq!(within.map(bits), Ok(bits(truth)), "{name}, {kind}: {ray:?}");
         assert_eq!(scene.any_hit(ray), truth.is_some(), "{name}, {kind}, any: {ray:?}");
-        same_with_mailbox(name, scene, ray, truth);
+        same_with_mailbox(name, &scene, ray, truth);
     }
     truth.is_some()
 }

@@ -2,7 +2,7 @@
 use crate::common::meshes::mixed;
 use crate::common::{build, configs};
 use crate::soup::Soup;
-use crate::{bsp, nested, octree, sphere, voxel};
+use crate::{bsp, nested, octree, sphere, voxel, wide};
 use flashray::blob::{Buffer, Entry, Header, Rule, Section, crc32};
 use flashray::build::Config;
 use flashray::bvh::{Child, Node};
@@ -220,8 +220,15 @@ fn every_rule_has_an_edit_that_breaks_exactly_it() {
         assert!(error.to_string().starts_with(&format!("rule {}, ", rule.number())), "{error}");
     }
     // The one rule that is not about the bytes but about where they lie.
-    let others =
-        [voxel::FLAT_BREAKS, voxel::BLOCKS_BREAKS, nested::BREAKS, octree::BREAKS, bsp::BREAKS, sphere::BREAKS];
+    let others = [
+        voxel::FLAT_BREAKS,
+        voxel::BLOCKS_BREAKS,
+        nested::BREAKS,
+        octree::BREAKS,
+        bsp::BREAKS,
+        sphere::BREAKS,
+        wide::BREAKS,
+    ];
     let all = BREAKS.iter().chain(GRID_BREAKS).chain(others.into_iter().flatten());
     let tested: Vec<_> = all.map(|(rule, _)| *rule).chain([Rule::Alignment]).collect();
     for rule in Rule::ALL {

@@ -3,7 +3,7 @@ use crate::common::meshes::{icosphere, mixed};
 use crate::common::{bits, build, configs};
 use crate::soup::Soup;
 use flashray::blob::Buffer;
-use flashray::build::{Arena, BuildError, Config, Mesh, Needs, What, into, to_vec};
+use flashray::build::{Arena, BuildError, Config, Mesh, Needs, Quality, What, into, to_vec};
 use flashray::{Kind, Ray, Scene, Sphere};
 use std::fs;
 use std::path::PathBuf;
@@ -48,6 +48,83 @@ fn building_in_lent_memory_gives_the_same_bytes_and_says_what_is_full() {
     }
 }
 
+/// Triangles of all sizes anywhere, some of them twice.
+fn shards(n: u32) -> Soup {
+    let mut next = 1u32;
+    let mut random = || {
+        next = next.wrapping_mul(747_796_405).wrapping_add(2_891_336_453);
+        f64::from(next >> 8) as f32 / 16_777_216.0
+    };
+    let mut soup = Soup::default();
+    for i in 0..n {
+        let size = 0.05 * random().powi(3);
+        let center: [f32; 3] = std::array::from_fn(|_| random());
+        for _ in 0..3 {
+            soup.positions.push(center.map(|c| c + size * (random() - 0.5)));
+        }
+        let first = if i % 50 == 49 { 3 * (i - 7) } else { 3 * i };
+        soup.triangles.push([first, first + 1, first + 2]);
+    }
+    soup
+}
+
+#[test]
+fn any_number_of_threads_builds_the_same_bytes() {
+    // So many that threads share the root's bins.
+    let (many, some) = (shards(70_000), shards(12_000));
+    for kind in [Kind::Bvh, Kind::Sphere, Kind::Wide] {
+        for quality in [Quality::Fast, Quality::Default, Quality::High] {
+            let soup = if quality == Quality::High { &some } else { &many };
+            let config = Config::new(kind).quality(quality);
+            let built = [1, 2, 5].map(|threads| {
+                let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads");
+                pool.install(|| to_vec(&soup.mesh(), &config)).expect("builds")
+            });
+            assert!(built[0] == built[1] && built[0] == built[2], "{config:?}");
+        }
+    }
+}
+
+/// Memory that is lent, with room for fewer nodes than a thread of its own for each subtree would need: so one thread
+/// builds, as without the feature.
+#[test]
+fn a_large_scene_in_lent_memory_by_one_thread_has_the_same_bytes() {
+    const PRIMS: usize = 10_000;
+    let soup = shards(PRIMS as u32);
+    let build = move || {
+        let (mut refs, mut nodes) = (heapless::Vec::<_, PRIMS>::new(), heapless::Vec::<_, 9_990>::new());
+        let (mut cells, mut slots) = (heapless::Vec::<_, 40_000>::new(), heapless::Vec::<_, 0>::new());
+        let mut out = vec![0; 2 << 20];
+        for kind in [Kind::Bvh, Kind::Sphere, Kind::Wide] {
+            for quality in [Quality::Fast, Quality::Default] {
+                let config = Config::new(kind).quality(quality);
+                let mut arena = Arena { refs: &mut refs, nodes: &mut nodes, cells: &mut cells, slots: &mut slots };
+                let blob = into(&soup.mesh(), &config, &mut arena, &mut out).expect("room enough");
+                assert!(blob == to_vec(&soup.mesh(), &config).expect("builds"), "{config:?}");
+            }
+        }
+    };
+    let stack = std::thread::Builder::new().stack_size(32 << 20);
+    stack.spawn(build).expect("a thread").join().expect("the same bytes");
+}
+
+/// What `to_vec` asks for, beside the mesh: the references, the nodes, the plan and the blob, and nothing else. Not so by
+/// `Quality::High`, whose blob of such loose triangles alone takes nearly 100 bytes each.
+#[test]
+fn a_build_by_default_or_faster_takes_at_most_200_bytes_a_triangle() {
+    let soup = shards(50_000);
+    for quality in [Quality::Fast, Quality::Default] {
+        for kind in [Kind::Bvh, Kind::Sphere, Kind::Wide] {
+            let config = Config::new(kind).quality(quality);
+            let needs = Needs::new(&soup.mesh(), &config).expect("small enough");
+            let blob = to_vec(&soup.mesh(), &config).expect("builds");
+            let lent = 32 * needs.refs + 64 * needs.nodes + 4 * (needs.cells + needs.slots);
+            let each = (lent + blob.len()) as f64 / 50_000.0;
+            assert!(each <= 200.0, "{config:?}: {each} bytes a triangle");
+        }
+    }
+}
+
 #[test]
 fn bad_meshes_are_refused_by_name() {
     let corner = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, f32::NAN, 0.0]];
@@ -88,7 +165,9 @@ fn a_million_identical_triangles_in_a_tree_a_tenth_in_cells_and_coincident_centr
         let mesh = if matches!(config.kind, Kind::List | Kind::Bvh | Kind::Sphere) { &million } else { &fewer };
         let blob = Buffer::from(&to_vec(mesh, &config).expect("builds")[..]);
         let scene = Scene::from_bytes(&blob).expect("a good blob");
-        assert!(scene.limits().stack <= 20, "{} levels", scene.limits().stack);
+        // Eight-wide, a level takes up to seven entries.
+        let most = if config.kind == Kind::Wide { 60 } else { 20 };
+        assert!(scene.limits().stack <= most, "{config:?}: {} entries", scene.limits().stack);
         if config.kind != Kind::List {
             let hit = scene.closest_hit(&Ray::new([0.2, 0.2, 1.0], [0.0, 0.0, -1.0])).expect("a hit");
             assert_eq!((hit.t, hit.prim), (1.0, 0));
@@ -108,7 +187,8 @@ fn a_staircase_that_halving_boxes_can_not_part_stays_within_the_stack() {
     for config in configs() {
         let blob = Buffer::from(&to_vec(&Mesh::default().spheres(&balls), &config.leaf(1)).expect("builds")[..]);
         let scene = Scene::from_bytes(&blob).expect("a good blob");
-        assert!(scene.limits().stack <= 60, "{} levels", scene.limits().stack);
+        let most = if config.kind == Kind::Wide { flashray::wide::STACK } else { 60 };
+        assert!(scene.limits().stack <= most, "{config:?}: {} entries", scene.limits().stack);
         if config.kind == Kind::Bvh && config.rule == flashray::build::Rule::Seed {
             assert!(scene.limits().stack >= 32, "{} levels: halving by count never set in", scene.limits().stack);
         }
@@ -136,6 +216,9 @@ fn golden() -> Vec<(&'static str, Soup, Config)> {
         ("v1-bsp-mixed-100", mixed(100, 5), Config::new(Kind::Bsp)),
         ("v1-sphere-empty", Soup::default(), Config::new(Kind::Sphere)),
         ("v1-sphere-mixed-100", mixed(100, 5), Config::new(Kind::Sphere)),
+        ("v1-wide-empty", Soup::default(), Config::new(Kind::Wide)),
+        ("v1-wide-mixed-100", mixed(100, 5), Config::new(Kind::Wide)),
+        ("v1-wide-sphere-80", icosphere(1), Config::new(Kind::Wide)),
         ("v1-bvh-local-sphere-80", icosphere(1), Config::new(Kind::Bvh).local([0.25, -0.5, 8.0])),
     ]
 }

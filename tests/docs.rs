@@ -70,6 +70,7 @@ fn the_format_s_sections_and_kinds_are_the_code_s() {
         (Section::Cones, size_of::<flashray::Cone>()),
         (Section::Refs, 4),
         (Section::Ids, 4),
+        (Section::Blocks, size_of::<flashray::blob::block::Block>()),
         (Section::BvhNodes, size_of::<Node>()),
         (Section::GridShape, size_of::<flashray::grid::Shape>()),
         (Section::CellStarts, 4),
@@ -84,6 +85,7 @@ fn the_format_s_sections_and_kinds_are_the_code_s() {
         (Section::OctreeNodes, size_of::<flashray::octree::Node>()),
         (Section::BspNodes, size_of::<flashray::bsp::Node>()),
         (Section::SphereNodes, size_of::<flashray::sphere::Node>()),
+        (Section::WideNodes, size_of::<flashray::wide::Node>()),
     ];
     assert_eq!(sizes.map(|(s, _)| s), Section::LISTED);
     for (section, size) in sizes {
@@ -109,6 +111,7 @@ fn tables_in_the_source_are_those_of_the_format() {
         "src/octree/mod.rs",
         "src/bsp/mod.rs",
         "src/sphere/mod.rs",
+        "src/wide/mod.rs",
     ] {
         let source = read(path);
         let table: Vec<_> = rows(&source).into_iter().filter(|r| r.len() == 4 && r[0].parse::<u32>().is_ok()).collect();

@@ -37,12 +37,16 @@ mod docs;
 mod firmware;
 mod geometry;
 mod grid;
+mod groups;
+mod many;
 mod nested;
 mod octree;
 mod parts;
+mod reinsert;
 #[path = "spd.rs"]
 mod spd_hits;
 mod sphere;
 mod voxel;
 mod watertight;
 mod web;
+mod wide;

@@ -5,13 +5,14 @@ use std::process::Command;
 
 const TARGET: &str = "wasm32-unknown-unknown";
 
-#[test]
-fn web_assembly_answers_as_the_host() {
+/// Every fixture in the module that is built with some flags, beside what is built with others.
+fn answers_as_the_host(name: &str, flags: &str) {
     if !has_target(TARGET) || !has_program("node", "Node.js 18 or later") {
         return;
     }
-    succeed(cargo("examples/web", "web").args(["build", "--release", "--locked", "--target", TARGET]));
-    let module = nested("web").join(TARGET).join("release/flashray_web.wasm");
+    let mut build = cargo("examples/web", name);
+    succeed(build.args(["build", "--release", "--locked", "--target", TARGET]).env("RUSTFLAGS", flags));
+    let module = nested(name).join(TARGET).join("release/flashray_web.wasm");
     let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/web/run.mjs");
     for fixture in FIXTURES.iter() {
         let facts = Facts::of(&succeed_within(120, Command::new("node").arg(&script).arg(&module).arg(&fixture.blob)));
@@ -20,4 +21,14 @@ fn web_assembly_answers_as_the_host() {
         assert_eq!(facts.number("imports"), 0, "a panic handler's call into nowhere would be an import");
         assert_eq!(facts.number("misses"), 2, "rays that meet nothing");
     }
+}
+
+#[test]
+fn web_assembly_answers_as_the_host() {
+    answers_as_the_host("web", "");
+}
+
+#[test]
+fn web_assembly_with_simd_answers_as_the_host() {
+    answers_as_the_host("web-simd128", "-C target-feature=+simd128");
 }

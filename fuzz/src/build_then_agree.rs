@@ -200,6 +200,7 @@ fn agree(blob: &[u8], specs: &[Spec], first: &mut Option<Answers>, build: (Kind,
     scene.any_hits(&rays, &mut any);
     for (i, ray) in rays.iter().enumerate() {
         judge.judge(ray);
+        judge.judge_group(ray);
         let (truth, hit) = (truth[i], scene.closest_hit(ray));
         assert!(same(truth, hit), "the list answers {truth:?}, {build:?} {hit:?} for {ray:?}");
         assert!(same(hits[i], hit), "many rays: {:?}, one ray: {hit:?}, {build:?}, for {ray:?}", hits[i]);

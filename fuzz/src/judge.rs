@@ -2,6 +2,7 @@
 use flashray::blob::prims::{Primitive, Prims, REF_BITS};
 use flashray::blob::write::{Facts, Layout, Writer};
 use flashray::blob::{Blob, Buffer, MAX_STACK, Section};
+use flashray::walk::Isa;
 use flashray::{Hit, Kind, Ray, Scene};
 
 /// More fuel than any walk of an honest small blob takes, and little enough to see a loop at once.
@@ -27,6 +28,27 @@ pub fn survive(scene: &Scene<'_>, ray: &Ray) {
     let limit = u64::from(scene.limits().steps);
     let most = limit + if matches!(scene.kind(), Kind::List | Kind::Bvh) { 15 } else { limit.max(15) };
     assert!(spent <= most, "{steps:?} is beyond {most} for {ray:?}");
+}
+
+/// Rays from where one is, so near to each other that they make a group: it twice, and in each octant.
+fn group(ray: &Ray) -> [Ray; 10] {
+    std::array::from_fn(|i| {
+        let sign = |k: usize| if i < 8 && i >> k & 1 == 1 { -1.0 } else { 1.0 };
+        Ray { dir: [ray.dir[0] * sign(0), ray.dir[1] * sign(1), ray.dir[2] * sign(2)], ..*ray }
+    })
+}
+
+/// Asks a scene whose bytes nobody checked about a group, with every instruction set.
+pub fn survive_group(scene: &Scene<'_>, ray: &Ray) {
+    let rays = group(ray);
+    for isa in Isa::all() {
+        let (mut hits, mut any) = ([None::<Hit>; 10], [false; 10]);
+        scene.with_isa(isa).closest_hits(&rays, &mut hits);
+        scene.with_isa(isa).any_hits(&rays, &mut any);
+        for hit in hits.iter().flatten() {
+            assert!(hit.t >= ray.t_min && hit.t <= ray.t_max && hit.t.is_finite(), "{hit:?} is outside of {ray:?}");
+        }
+    }
 }
 
 /// Bit for bit.
@@ -56,9 +78,11 @@ impl<'a> Judge<'a> {
         let blob = Blob::parse(bytes).expect("an accepted blob can be parsed");
         let prims = Prims::parse(&blob).expect("an accepted blob has primitives");
         let limits = scene.limits();
-        assert!(limits.stack <= MAX_STACK, "{limits:?} is beyond the library's stack");
+        let most = if scene.kind() == Kind::Wide { flashray::wide::STACK } else { MAX_STACK };
+        assert!(limits.stack <= most, "{limits:?} is beyond the library's stack");
         steps_fit(&scene);
-        let mut ids: Vec<_> = (0..prims.len).map(|slot| prims.id(slot)).collect();
+        let mut ids: Vec<_> = scene.primitives().map(|(id, _)| id).collect();
+        assert_eq!(ids.len(), prims.len as usize, "as many primitives as the header says");
         ids.sort_unstable();
         assert!(ids.last().is_none_or(|&id| id < prims.len), "a number beyond the primitives was accepted: {ids:?}");
         let unique = ids.windows(2).all(|w| w[0] != w[1]);
@@ -76,6 +100,21 @@ impl<'a> Judge<'a> {
         assert_eq!(list.any_hit(ray), hit.is_some(), "the list and the scene differ about any hit of {ray:?}");
         if let Some(hit) = hit {
             self.trim(ray, hit);
+        }
+    }
+
+    /// Rays together are answered as each alone is, with every instruction set.
+    pub fn judge_group(&self, ray: &Ray) {
+        let rays = group(ray);
+        for isa in Isa::all() {
+            let (mut hits, mut any) = ([None; 10], [false; 10]);
+            self.scene.with_isa(isa).closest_hits(&rays, &mut hits);
+            self.scene.with_isa(isa).any_hits(&rays, &mut any);
+            for ((ray, hit), any) in rays.iter().zip(hits).zip(any) {
+                let alone = self.scene.closest_hit(ray);
+                assert!(self.equal(alone, hit, ray), "{isa:?}: alone {alone:?}, in a group {hit:?} for {ray:?}");
+                assert_eq!(any, alone.is_some(), "{isa:?}: any hit in a group for {ray:?}");
+            }
         }
     }
 
@@ -157,25 +196,28 @@ fn start<'l, 'o>(layout: &'l Layout, out: &'o mut Buffer, scene: &Scene<'_>, pri
 /// The list over the primitives of a scene, in its slots, with its numbers, bounds and local origin.
 fn list(scene: &Scene<'_>, p: &Prims<'_>) -> Buffer {
     let size = |n: usize| n as u32;
+    // Blocks are taken apart.
+    let blocked = |(id, p)| if let Primitive::Triangle(t) = p { Some((id, t)) } else { None };
+    let apart: Vec<_> = if p.blocks.is_empty() { Vec::new() } else { scene.primitives().filter_map(blocked).collect() };
     let sections = [
-        (Section::Triangles, size(p.triangles.len()), 36),
+        (Section::Triangles, size(p.triangles.len() + apart.len()), 36),
         (Section::Spheres, size(p.spheres.len()), 16),
         (Section::Boxes, size(p.boxes.len()), 24),
         (Section::Cylinders, size(p.cylinders.len()), 32),
         (Section::Cones, size(p.cones.len()), 36),
         (Section::Refs, size(p.refs.len()), 4),
-        (Section::Ids, size(p.ids.len()), 4),
+        (Section::Ids, size(p.ids.len() + apart.len()), 4),
     ];
     let layout = Layout::new(&sections).expect("the list is no longer than the blob");
     let mut out = Buffer::zeroed(layout.len());
     let mut writer = start(&layout, &mut out, scene, p.len);
-    writer.section(Section::Triangles, p.triangles.iter().copied());
+    writer.section(Section::Triangles, p.triangles.iter().copied().chain(apart.iter().map(|(_, t)| *t)));
     writer.section(Section::Spheres, p.spheres.iter().copied());
     writer.section(Section::Boxes, p.boxes.iter().copied());
     writer.section(Section::Cylinders, p.cylinders.iter().copied());
     writer.section(Section::Cones, p.cones.iter().copied());
     writer.section(Section::Refs, p.refs.iter().copied());
-    writer.section(Section::Ids, p.ids.iter().copied());
+    writer.section(Section::Ids, p.ids.iter().copied().chain(apart.iter().map(|(id, _)| *id)));
     let _ = writer.finish();
     out
 }

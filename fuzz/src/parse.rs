@@ -4,7 +4,7 @@
 //! checksum are put right; or the contents of sections, under a header and a table that fit them: flags, the structure
 //! by its place among `KINDS`, five counts of primitives, perhaps bounds, the primitives, perhaps references and
 //! numbers; then for each section of the structure's own its length in words (2 bytes) and its bytes.
-use crate::judge::{Judge, survive};
+use crate::judge::{Judge, survive, survive_group};
 use crate::rays::{Spec, specs};
 use crate::seal;
 use arbitrary::{Result, Unstructured};
@@ -69,9 +69,13 @@ pub fn load(blob: &[u8], rays: &[Spec]) {
     if let Ok(scene) = checked {
         let judge = Judge::new(scene, blob);
         rays.iter().for_each(|spec| judge.judge(&spec.ray(&scene)));
+        rays.iter().for_each(|spec| judge.judge_group(&spec.ray(&scene)));
     }
     match Scene::trust(blob) {
-        Ok(scene) => rays.iter().for_each(|spec| survive(&scene, &spec.ray(&scene))),
+        Ok(scene) => rays.iter().map(|spec| spec.ray(&scene)).for_each(|ray| {
+            survive(&scene, &ray);
+            survive_group(&scene, &ray);
+        }),
         Err(error) => assert!(checked.is_err(), "accepted by the full check, refused by the cheap one: {error}"),
     }
 }

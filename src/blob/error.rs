@@ -46,7 +46,7 @@ rules! {
     /// Bounds and local origin are finite and ordered.
     Bounds = 11, "bounds and local origin are finite and ordered";
     /// The walk's stack is within the library's.
-    Stack = 12, "the deepest stack is within the library's 64";
+    Stack = 12, "the deepest stack is within the library's";
     /// The primitive count is what the sections hold, and below 2^28.
     PrimCount = 13, "the counts of primitives, references and numbers agree";
     /// The checksum is that of the bytes.
@@ -103,6 +103,10 @@ rules! {
     Plane = 45, "a plane lies strictly inside the box that it parts";
     /// A sphere has its centre in the bounds and contains the boxes of all primitives below it.
     SphereBounds = 50, "a sphere has its centre in the bounds and contains the boxes below it";
+    /// A block has triangles in its first lanes, at least one; the others are 0 and have no number.
+    BlockLanes = 55, "a block has triangles in its first lanes, and nothing in the others";
+    /// A wide node has from two to eight children, in its first lanes; the others have empty boxes.
+    WideLanes = 56, "a wide node has from two to eight children in its first lanes, and nothing in the others";
 }
 
 impl Rule {
@@ -135,6 +139,8 @@ pub enum Section {
     Refs = 6,
     /// One word per slot: the caller's number of that primitive.
     Ids = 7,
+    /// Triangles in blocks of four with the caller's numbers, 160 bytes each.
+    Blocks = 8,
     /// Nodes of a binary bounding-volume hierarchy, 64 bytes each.
     BvhNodes = 16,
     /// Planes and cell numbers of a grid, one entry of 40 bytes.
@@ -163,6 +169,8 @@ pub enum Section {
     BspNodes = 32,
     /// Nodes of the bounding-sphere hierarchy, 40 bytes each.
     SphereNodes = 34,
+    /// Nodes of the eight-wide hierarchy, 256 bytes each.
+    WideNodes = 36,
     /// The section table.
     Table = 255,
 }
@@ -177,6 +185,7 @@ impl Section {
         Self::Cones,
         Self::Refs,
         Self::Ids,
+        Self::Blocks,
         Self::BvhNodes,
         Self::GridShape,
         Self::CellStarts,
@@ -191,6 +200,7 @@ impl Section {
         Self::OctreeNodes,
         Self::BspNodes,
         Self::SphereNodes,
+        Self::WideNodes,
     ];
 
     /// The section's number in the table.
@@ -212,6 +222,7 @@ impl Section {
             Self::Cones => "cones",
             Self::Refs => "refs",
             Self::Ids => "ids",
+            Self::Blocks => "blocks",
             Self::BvhNodes => "bvh nodes",
             Self::GridShape => "grid shape",
             Self::CellStarts => "cell starts",
@@ -226,6 +237,7 @@ impl Section {
             Self::OctreeNodes => "octree nodes",
             Self::BspNodes => "bsp nodes",
             Self::SphereNodes => "sphere nodes",
+            Self::WideNodes => "wide nodes",
             Self::Table => "section table",
         }
     }

@@ -6,9 +6,9 @@
 //! | 4 | 4 | `version` | 1 |
 //! | 8 | 4 | `length` | bytes of the whole blob |
 //! | 12 | 4 | `checksum` | CRC-32 (ISO-HDLC) of the bytes from 16 to the end |
-//! | 16 | 4 | `kind` | the structure: 1 list, 2 bvh, 3 grid, 4 voxel, 5 nested, 6 octree, 7 bsp, 8 sphere |
+//! | 16 | 4 | `kind` | the structure: 1 list, 2 bvh, 3 grid, 4 voxel, 5 nested, 6 octree, 7 bsp, 8 sphere, 9 wide |
 //! | 20 | 4 | `prims` | number of primitives, below 2^28 |
-//! | 24 | 4 | `stack` | deepest stack of a walk, in entries, at most 64 |
+//! | 24 | 4 | `stack` | deepest stack of a walk, in entries: at most 64, of a wide hierarchy 192 |
 //! | 28 | 4 | `steps` | most steps of a walk: nodes visited and primitives tested |
 //! | 32 | 24 | `bounds` | box around all primitives: least corner, greatest corner |
 //! | 56 | 12 | `local` | local origin: added to every coordinate to get the caller's |
@@ -53,6 +53,8 @@ pub enum Kind {
     Bsp = 7,
     /// Binary bounding-sphere hierarchy.
     Sphere = 8,
+    /// Eight-wide bounding-volume hierarchy.
+    Wide = 9,
 }
 
 /// Every structure, with its name on the command line.
@@ -65,6 +67,7 @@ pub const KINDS: &[(Kind, &str)] = &[
     (Kind::Octree, "octree"),
     (Kind::Bsp, "bsp"),
     (Kind::Sphere, "sphere"),
+    (Kind::Wide, "wide"),
 ];
 
 impl Kind {
@@ -93,6 +96,7 @@ impl Kind {
             Self::Octree => &[Section::GridShape, Section::CellStarts, Section::CellLists, Section::OctreeNodes],
             Self::Bsp => &[Section::CellLists, Section::BspNodes],
             Self::Sphere => &[Section::SphereNodes],
+            Self::Wide => &[Section::Blocks, Section::WideNodes],
         }
     }
 }
@@ -182,7 +186,7 @@ fn parse_kind(header: &Header, entries: &[Entry]) -> Result<(), BlobError> {
     let kind = header.kind().ok_or(broken(Rule::KindKnown).found(header.kind))?;
     let fits = |e: &Entry| {
         let own = kind.sections().iter().any(|s| s.number() == e.section);
-        own || e.section < Section::BvhNodes.number()
+        own || e.section < Section::Blocks.number()
     };
     match entries.iter().position(|e| !fits(e)) {
         None => Ok(()),
@@ -215,8 +219,9 @@ fn parse_header(header: &Header, length: usize) -> Result<(), BlobError> {
     if !header.bounds.is_valid() || !finite(header.local) {
         return Err(broken(Rule::Bounds));
     }
-    if header.stack > MAX_STACK {
-        return Err(broken(Rule::Stack).found(header.stack).needed(MAX_STACK));
+    let most = if header.kind() == Some(Kind::Wide) { crate::wide::STACK } else { MAX_STACK };
+    if header.stack > most {
+        return Err(broken(Rule::Stack).found(header.stack).needed(most));
     }
     if header.prims > MAX_PRIMS {
         return Err(broken(Rule::PrimCount).found(header.prims).needed(MAX_PRIMS));

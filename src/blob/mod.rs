@@ -14,6 +14,7 @@
 //! `docs/format.md`, which is normative; each has a test that breaks it. What a walk needs for its *safety* is
 //! checked by the walk itself, so a blob that only parsed is as safe as one that was checked.
 
+pub mod block;
 #[cfg(feature = "alloc")]
 mod buffer;
 mod crc;

@@ -5,7 +5,11 @@
 //! place in its section in the lower 29. For example `0x4000_0002` is box 2. References run through each section in
 //! order, so one pass with five counters proves that each primitive is referred to once.
 //!
+//! In a structure that tests four triangles at a time, where all are triangles, they stand in `blocks`, four slots each, and
+//! not every slot has one.
+//!
 //! `ids[i]` is the caller's number of the primitive in slot `i`; without that section it is `i`.
+use super::block::{self, Block, LANES};
 use super::{Blob, BlobError, Rule, Section};
 use crate::geom::overlap;
 use crate::geom::vec::finite;
@@ -100,7 +104,9 @@ pub struct Prims<'a> {
     pub refs: &'a [u32],
     /// Caller's numbers per slot; empty if they are the slots.
     pub ids: &'a [u32],
-    /// Number of slots.
+    /// Triangles in blocks; empty if they are in `triangles`.
+    pub blocks: &'a [Block],
+    /// Number of primitives.
     pub len: u32,
 }
 
@@ -118,9 +124,13 @@ impl<'a> Prims<'a> {
             cones: blob.section(Section::Cones)?,
             refs: blob.section(Section::Refs)?,
             ids: blob.section(Section::Ids)?,
+            blocks: blob.section(Section::Blocks)?,
             len: blob.header().prims,
         };
         let slots = index(prims.len);
+        if !prims.blocks.is_empty() {
+            return prims.parse_blocks();
+        }
         let lengths = [prims.spheres.len(), prims.boxes.len(), prims.cylinders.len(), prims.cones.len()];
         let others = lengths.iter().fold(0usize, |sum, &n| sum.saturating_add(n));
         let agree = |section, found: usize, wanted: bool| {
@@ -134,11 +144,28 @@ impl<'a> Prims<'a> {
         Ok(prims)
     }
 
-    /// The full check, O(n): rules 16 to 19.
+    /// Blocks stand alone, and have room for all.
+    fn parse_blocks(self) -> Result<Self, BlobError> {
+        let others =
+            [self.triangles.len(), self.spheres.len(), self.boxes.len(), self.cylinders.len(), self.cones.len()];
+        let alone = others == [0; 5] && self.refs.is_empty() && self.ids.is_empty();
+        if alone && index(self.len).div_ceil(index(LANES)) <= self.blocks.len() && self.blocks.len() <= index(self.len)
+        {
+            return Ok(self);
+        }
+        Err(BlobError::new(Rule::PrimCount, Section::Blocks)
+            .found(count(self.blocks.len()))
+            .needed(self.len.div_ceil(LANES)))
+    }
+
+    /// The full check, O(n): rules 16 to 19 and 55.
     ///
     /// # Errors
     /// The first rule that is broken, and where.
     pub fn check(&self, bounds: &Aabb) -> Result<(), BlobError> {
+        if !self.blocks.is_empty() {
+            return self.check_blocks(bounds);
+        }
         self.check_refs()?;
         for (slot, &id) in self.ids.iter().enumerate() {
             if id >= self.len {
@@ -157,6 +184,30 @@ impl<'a> Prims<'a> {
             }
         }
         Ok(())
+    }
+
+    /// Rule 55, and 13, 16, 17 and 19 for blocks.
+    fn check_blocks(&self, bounds: &Aabb) -> Result<(), BlobError> {
+        let mut found = 0u32;
+        for (number, block) in self.blocks.iter().enumerate() {
+            let broken = |rule| BlobError::new(rule, Section::Blocks).at(count(number));
+            let len = block.filled().ok_or(broken(Rule::BlockLanes))?;
+            for (&id, lane) in block.ids.iter().zip(0..index(len)) {
+                let primitive = Primitive::Triangle(block.triangle(lane));
+                if id >= self.len {
+                    return Err(broken(Rule::IdRange).found(id).needed(self.len));
+                }
+                if !primitive.is_valid() {
+                    return Err(broken(Rule::PrimShape));
+                }
+                if !bounds.contains(&primitive.bounds()) {
+                    return Err(broken(Rule::PrimBounds));
+                }
+            }
+            found = found.saturating_add(len);
+        }
+        let error = BlobError::new(Rule::PrimCount, Section::Blocks).found(found).needed(self.len);
+        if found == self.len { Ok(()) } else { Err(error) }
     }
 
     /// Rule 18.
@@ -194,6 +245,11 @@ impl<'a> Prims<'a> {
     #[inline]
     #[must_use]
     pub fn get(&self, slot: u32) -> Option<Primitive> {
+        if !self.blocks.is_empty() {
+            let (block, lane) = block::at(self, slot)?;
+            let there = block.ids.get(lane).is_some_and(|&id| id != block::NO_ID);
+            return there.then(|| Primitive::Triangle(block.triangle(lane)));
+        }
         if self.refs.is_empty() {
             return self.triangles.get(index(slot)).copied().map(Primitive::Triangle);
         }
@@ -216,10 +272,25 @@ impl<'a> Prims<'a> {
         Some((kind, index(at)))
     }
 
+    /// Number of slots.
+    #[must_use]
+    pub const fn slots(&self) -> u32 {
+        if self.blocks.is_empty() { self.len } else { count(self.blocks.len()).saturating_mul(LANES) }
+    }
+
     /// The caller's number of the primitive in a slot.
     #[inline]
     #[must_use]
     pub fn id(&self, slot: u32) -> u32 {
+        if let Some((block, lane)) = block::at(self, slot) {
+            return block.ids.get(lane).copied().unwrap_or(slot);
+        }
+        self.id_outside_blocks(slot)
+    }
+
+    /// The same where there are no blocks: walks that know none ask for none.
+    #[inline(always)]
+    pub(crate) fn id_outside_blocks(&self, slot: u32) -> u32 {
         self.ids.get(index(slot)).copied().unwrap_or(slot)
     }
 

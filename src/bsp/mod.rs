@@ -28,6 +28,7 @@
 #[cfg(feature = "build")]
 pub mod build;
 mod check;
+pub(crate) mod group;
 mod walk;
 
 use crate::blob::prims::{Primitive, Prims};

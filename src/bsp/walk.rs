@@ -48,58 +48,71 @@ impl View<'_> {
         meter: &mut impl Meter,
         mailbox: &mut impl Mailbox,
     ) -> Result<bool, Stop> {
-        // Four rows, so that two bits of a word are a good index; the last is never read.
-        let z = Row::new(ray, Axis::Z);
-        let rows = [Row::new(ray, Axis::X), Row::new(ray, Axis::Y), z, z];
-        let mut stack = heapless::Vec::<(u32, f32, f32), { index(MAX_STACK) }>::new();
         let (near, far) = ray.slab(self.bounds);
-        let (mut t0, mut t1) = (most(ray.t_min, near), least(best.t, far));
-        let mut at = 0;
+        let (t0, t1) = (most(ray.t_min, near), least(best.t, far));
         if !(t0 <= t1) {
             return Ok(false);
         }
-        loop {
-            let leaf = loop {
-                if !meter.node() {
-                    return Err(Stop::Fuel);
-                }
-                let node = *self.nodes.get(index(at)).ok_or(Stop::Corrupt)?;
-                meter.at(|| self.bounds_of(at));
-                let axis = node.word & LEAF;
-                if axis == LEAF {
-                    break node;
-                }
-                let (row, plane) = (rows[index(axis)], f32::from_bits(node.place));
-                // Prepared::near and far.
-                let near = (plane - row.near_origin) * row.inv;
-                let far = (plane - row.far_origin) * row.inv;
-                let (end, begin) = (least(far, t1), most(near, t0));
-                let child = node.number();
-                let (first, second) = (child.wrapping_add(row.first), child.wrapping_add(row.first ^ 1));
-                if t0 <= end {
-                    if begin <= t1 {
-                        stack.push((second, begin, t1)).map_err(|_| Stop::Corrupt)?;
-                    }
-                    (at, t1) = (first, end);
-                } else {
-                    // The near distance is not greater than the far one: this side is not empty.
-                    (at, t0) = (second, begin);
-                }
-            };
-            let list = self.list(leaf).ok_or(Stop::Corrupt)?;
-            if !list.is_empty() && test_listed::<ANY>(prims, list, ray, best, meter, mailbox)? {
-                return Ok(true);
+        from::<ANY>(self, prims, (0, t0, t1), ray, best, meter, mailbox)
+    }
+}
+
+/// The walk from a node on, given the interval of its box.
+#[inline(always)]
+pub(super) fn from<const ANY: bool>(
+    view: &View<'_>,
+    prims: &Prims<'_>,
+    (mut at, mut t0, mut t1): (u32, f32, f32),
+    ray: &Prepared,
+    best: &mut Best,
+    meter: &mut impl Meter,
+    mailbox: &mut impl Mailbox,
+) -> Result<bool, Stop> {
+    // Four rows, so that two bits of a word are a good index; the last is never read.
+    let z = Row::new(ray, Axis::Z);
+    let rows = [Row::new(ray, Axis::X), Row::new(ray, Axis::Y), z, z];
+    let mut stack = heapless::Vec::<(u32, f32, f32), { index(MAX_STACK) }>::new();
+    loop {
+        let leaf = loop {
+            if !meter.node() {
+                return Err(Stop::Fuel);
             }
-            // Go on with the latest waiting side that is not beyond the best hit.
-            loop {
-                match stack.pop() {
-                    Some((waiting, begin, end)) if begin <= best.t => {
-                        (at, t0, t1) = (waiting, begin, least(best.t, end));
-                        break;
-                    }
-                    Some(_) => {}
-                    None => return Ok(false),
+            let node = *view.nodes.get(index(at)).ok_or(Stop::Corrupt)?;
+            meter.at(|| view.bounds_of(at));
+            let axis = node.word & LEAF;
+            if axis == LEAF {
+                break node;
+            }
+            let (row, plane) = (rows[index(axis)], f32::from_bits(node.place));
+            // Prepared::near and far.
+            let near = (plane - row.near_origin) * row.inv;
+            let far = (plane - row.far_origin) * row.inv;
+            let (end, begin) = (least(far, t1), most(near, t0));
+            let child = node.number();
+            let (first, second) = (child.wrapping_add(row.first), child.wrapping_add(row.first ^ 1));
+            if t0 <= end {
+                if begin <= t1 {
+                    stack.push((second, begin, t1)).map_err(|_| Stop::Corrupt)?;
                 }
+                (at, t1) = (first, end);
+            } else {
+                // The near distance is not greater than the far one: this side is not empty.
+                (at, t0) = (second, begin);
+            }
+        };
+        let list = view.list(leaf).ok_or(Stop::Corrupt)?;
+        if !list.is_empty() && test_listed::<ANY>(prims, list, ray, best, meter, mailbox)? {
+            return Ok(true);
+        }
+        // Go on with the latest waiting side that is not beyond the best hit.
+        loop {
+            match stack.pop() {
+                Some((waiting, begin, end)) if begin <= best.t => {
+                    (at, t0, t1) = (waiting, begin, least(best.t, end));
+                    break;
+                }
+                Some(_) => {}
+                None => return Ok(false),
             }
         }
     }

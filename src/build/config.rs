@@ -17,13 +17,25 @@ pub enum Rule {
     Sah,
 }
 
+/// How much time [`Rule::Sah`] may take for a hierarchy of boxes or spheres. The answers are the same.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Quality {
+    /// Builds fastest.
+    Fast,
+    /// Rays go faster than by [`Quality::Fast`].
+    Default,
+    /// Takes the time it needs: every split weighed, and subtrees moved until no move helps.
+    High,
+}
+
 /// What to build, and how.
 ///
 /// ```
 /// use flashray::Kind;
-/// use flashray::build::{Config, Rule};
-/// let config = Config::new(Kind::Bvh).rule(Rule::Seed).leaf(8);
-/// assert_eq!(config.leaf, 8);
+/// use flashray::build::{Config, Quality, Rule};
+/// let config = Config::new(Kind::Bvh).quality(Quality::High).leaf(4);
+/// assert_eq!((config.rule, config.leaf), (Rule::Sah, 4));
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
@@ -36,8 +48,8 @@ pub struct Config {
     /// where that helps; by [`Rule::Sah`] octree looks one cut farther ahead there, and bsp goes by cost alone. The
     /// others have no such limit.
     pub leaf: u32,
-    /// How many times every subtree is taken out and put where it costs least, after [`Rule::Sah`]: 0 builds fastest.
-    pub reinsert: u32,
+    /// How much time [`Rule::Sah`] may take for bvh, sphere and wide.
+    pub quality: Quality,
     /// Cells along the longest side of a grid, of voxels or of the outermost of nested grids, at most 1024; 0 leaves it
     /// to the rule. Where the scene is a cube a grid has too many from 646 on ([`BuildError::TooLarge`]).
     pub cells: u32,
@@ -52,7 +64,7 @@ impl Config {
     /// The defaults: the surface-area heuristic, a leaf limit of 8 primitives, no local origin.
     #[must_use]
     pub const fn new(kind: Kind) -> Self {
-        Self { kind, rule: Rule::Sah, leaf: 8, reinsert: 2, cells: 0, threshold: 0, local: [0.0; 3] }
+        Self { kind, rule: Rule::Sah, leaf: 8, quality: Quality::Default, cells: 0, threshold: 0, local: [0.0; 3] }
     }
 
     /// With another rule.
@@ -69,10 +81,10 @@ impl Config {
         self
     }
 
-    /// With so many rounds of reinsertion.
+    /// With another quality.
     #[must_use]
-    pub const fn reinsert(mut self, rounds: u32) -> Self {
-        self.reinsert = rounds;
+    pub const fn quality(mut self, quality: Quality) -> Self {
+        self.quality = quality;
         self
     }
 

@@ -15,13 +15,14 @@ mod write;
 mod owned;
 pub(crate) mod sah;
 
-pub use config::{Config, MOST_CELLS, Rule};
+pub use config::{Config, MOST_CELLS, Quality, Rule};
 pub use error::{BuildError, What};
 pub use input::Input;
 pub use mesh::Mesh;
 #[cfg(feature = "alloc")]
 pub use owned::to_vec;
 pub use refs::Ref;
+pub use sah::{NODE_COST, NODE_COST_TUBES};
 
 use crate::blob::Kind;
 use crate::blob::write::{Facts, Layout};
@@ -32,6 +33,7 @@ use crate::nested;
 use crate::num::index;
 use crate::octree;
 use crate::voxel;
+use crate::wide;
 use heapless::VecView;
 use parts::Parts;
 
@@ -59,7 +61,7 @@ pub struct Arena<'a> {
     pub refs: &'a mut VecView<Ref>,
     /// One per inner node of a hierarchy of boxes or spheres.
     pub nodes: &'a mut VecView<Node>,
-    /// Words of the tables of a structure that parts space.
+    /// Words of the tables of a structure that parts space, or of a wide hierarchy's plan.
     pub cells: &'a mut VecView<u32>,
     /// Words for what such a structure lists. A grid and voxels need one each time that they list a primitive; the
     /// others get a fixed budget and keep within it: nested grids as many as the outermost lists and 16 a primitive, an
@@ -99,6 +101,10 @@ impl Needs {
         let (nodes, cells, slots) = match shape {
             Shape::List => (0, 0, 0),
             Shape::Tree => (index(bvh::build::most_nodes(input.len)), 0, 0),
+            Shape::Wide => {
+                let nodes = index(bvh::build::most_nodes(input.len));
+                (nodes, nodes.saturating_mul(wide::build::WORDS), 0)
+            }
             Shape::Grid(plan) => (0, plan.words(), index(plan.listed)),
             Shape::Voxel(plan) => (0, plan.words(), plan.slots()),
             Shape::Nested(plan) => (0, plan.words(), plan.listed()),
@@ -106,7 +112,10 @@ impl Needs {
             Shape::Bsp(budget) => (0, budget.words(), index(budget.slots)),
         };
         let scratch = if let Shape::Voxel(plan) = shape { plan.scratch() } else { 0 };
-        let bytes = write::most_bytes(mesh, config.kind, nodes, cells + slots - scratch);
+        let bytes = match shape {
+            Shape::Wide => write::most_wide_bytes(mesh, nodes),
+            _ => write::most_bytes(mesh, config.kind, nodes, cells + slots - scratch),
+        };
         Self { refs, nodes, cells, slots, bytes }
     }
 }
@@ -150,6 +159,7 @@ fn lend<T: bytemuck::Zeroable + Clone>(view: &mut VecView<T>, n: usize, what: Wh
 enum Shape {
     List,
     Tree,
+    Wide,
     Grid(grid::build::Plan),
     Voxel(voxel::build::Plan),
     Nested(nested::build::Plan),
@@ -162,6 +172,7 @@ impl Shape {
         Ok(match config.kind {
             Kind::List => Self::List,
             Kind::Bvh | Kind::Sphere => Self::Tree,
+            Kind::Wide => Self::Wide,
             Kind::Grid => Self::Grid(grid::build::Plan::new(input, config)?),
             Kind::Voxel => Self::Voxel(voxel::build::Plan::new(input, config)?),
             Kind::Nested => Self::Nested(nested::build::Plan::new(input, config)?),
@@ -192,6 +203,7 @@ enum Built<'p> {
     List,
     Bvh(bvh::build::Tree<'p>),
     Sphere(bvh::build::Tree<'p>),
+    Wide(wide::build::Tree<'p>),
     Parts(Parts<'p>),
 }
 
@@ -210,6 +222,11 @@ impl<'p> Plan<'p> {
             Shape::Tree => {
                 let tree = bvh::build::build(config, lent.refs, lent.nodes, &input.bounds, mesh.has_tubes())?;
                 if config.kind == Kind::Sphere { Built::Sphere(tree) } else { Built::Bvh(tree) }
+            }
+            Shape::Wide => {
+                let blocks = write::all_triangles(mesh);
+                let bounds = &input.bounds;
+                Built::Wide(wide::build::build(config, lent.refs, lent.nodes, lent.cells, bounds, blocks)?)
             }
             Shape::Grid(plan) => Built::Parts(grid::build::build(input, plan, lent.refs, lent.cells, lent.slots)),
             Shape::Voxel(plan) => Built::Parts(voxel::build::build(input, plan, lent.refs, lent.cells, lent.slots)),
@@ -232,6 +249,7 @@ impl Built<'_> {
         match self {
             Self::List => (0, prims),
             Self::Bvh(tree) | Self::Sphere(tree) => (tree.stack, tree.len.saturating_add(prims)),
+            Self::Wide(tree) => (tree.stack, tree.len.saturating_add(prims)),
             Self::Parts(parts) => (parts.stack, parts.steps),
         }
     }

@@ -1,5 +1,6 @@
 //! From a finished structure to bytes.
 use super::{BuildError, Built, Mesh, Plan, Ref};
+use crate::blob::block::Block;
 use crate::blob::prims::{Primitive, reference};
 use crate::blob::write::Layout;
 use crate::blob::{Entry, Kind, Section};
@@ -7,7 +8,7 @@ use crate::bvh::Node;
 use crate::bvh::build::Tree;
 use crate::geom::{Aabb, Cone, Cylinder, Sphere, Triangle};
 use crate::num::{count, index};
-use crate::sphere;
+use crate::{sphere, wide};
 use heapless::Vec;
 
 /// Section, entries, bytes of an entry.
@@ -29,14 +30,25 @@ fn primitive_sections(mesh: &Mesh<'_>, ids: bool) -> Sections {
     ])
 }
 
+/// Whether a mesh has triangles and nothing else, so that they may stand in blocks.
+pub(super) fn all_triangles(mesh: &Mesh<'_>) -> bool {
+    mesh.counts()[1..] == [0; 4]
+}
+
 /// The sections of a mesh under a structure.
 pub(super) fn layout(mesh: &Mesh<'_>, built: &Built<'_>) -> Result<Layout, BuildError> {
     // A list keeps the caller's order: its slots are the caller's numbers.
-    let mut sections = primitive_sections(mesh, !matches!(built, Built::List));
+    let mut sections = match built {
+        Built::Wide(tree) if all_triangles(mesh) => {
+            Sections::from_iter([(Section::Blocks, tree.blocks, size_of::<Block>())])
+        }
+        _ => primitive_sections(mesh, !matches!(built, Built::List)),
+    };
     let mut push = |section, entries, size| sections.push((section, entries, size)).map_err(|_| BuildError::TooLarge);
     match built {
         Built::List => {}
         Built::Bvh(tree) => push(Section::BvhNodes, tree.len, size_of::<Node>())?,
+        Built::Wide(tree) => push(Section::WideNodes, tree.len, size_of::<wide::Node>())?,
         Built::Sphere(tree) => push(Section::SphereNodes, tree.len, size_of::<sphere::Node>())?,
         Built::Parts(parts) => {
             for &(section, words, entry) in &parts.sections {
@@ -56,6 +68,17 @@ pub(super) fn most_bytes(mesh: &Mesh<'_>, kind: Kind, nodes: usize, words: usize
     let own = kind.sections().len() * (index(crate::blob::SECTION_ALIGN) + size_of::<Entry>());
     let words = if words > 0 { words.saturating_mul(4).saturating_add(own) } else { 0 };
     Layout::new(&sections).map_or(usize::MAX, |layout| layout.len().saturating_add(words))
+}
+
+/// The same for a wide hierarchy over so many binary nodes.
+pub(super) fn most_wide_bytes(mesh: &Mesh<'_>, nodes: usize) -> usize {
+    let mut sections = primitive_sections(mesh, true);
+    if all_triangles(mesh) {
+        // At worst each triangle has a block of its own.
+        sections = Sections::from_iter([(Section::Blocks, mesh.len().unwrap_or(0), size_of::<Block>())]);
+    }
+    let _ = sections.push((Section::WideNodes, count(nodes), size_of::<wide::Node>()));
+    Layout::new(&sections).map_or(usize::MAX, |layout| layout.len())
 }
 
 impl Plan<'_> {
@@ -85,6 +108,10 @@ impl Plan<'_> {
         match &self.built {
             Built::List => {}
             Built::Bvh(tree) => writer.section(Section::BvhNodes, tree.nodes()),
+            Built::Wide(tree) => {
+                writer.section(Section::Blocks, tree.blocks(|prim| self.triangle(prim)));
+                writer.section(Section::WideNodes, tree.nodes());
+            }
             Built::Sphere(tree) => writer.section(Section::SphereNodes, sphere::build::nodes(*tree)),
             Built::Parts(parts) => {
                 for &(section, words, _) in &parts.sections {
@@ -97,13 +124,20 @@ impl Plan<'_> {
 
     /// The caller's numbers in slot order.
     fn order(&self) -> impl Iterator<Item = u32> {
-        let (list, tree, parts): (_, _, &[u32]) = match &self.built {
-            Built::List => (0..self.facts.prims, None, &[]),
-            Built::Bvh(tree) | Built::Sphere(tree) => (0..0, Some(*tree), &[]),
-            Built::Parts(parts) => (0..0, None, parts.order),
+        let (list, tree, wide, parts): (_, _, _, &[u32]) = match &self.built {
+            Built::List => (0..self.facts.prims, None, None, &[]),
+            Built::Bvh(tree) | Built::Sphere(tree) => (0..0, Some(*tree), None, &[]),
+            Built::Wide(tree) => (0..0, None, Some(*tree), &[]),
+            Built::Parts(parts) => (0..0, None, None, parts.order),
         };
         let number = |r: &Ref| r.prim;
-        list.chain(tree.into_iter().flat_map(Tree::refs).map(number)).chain(parts.iter().copied())
+        let trees = tree.into_iter().flat_map(Tree::refs).chain(wide.into_iter().flat_map(wide::build::Tree::refs));
+        list.chain(trees.map(number)).chain(parts.iter().copied())
+    }
+
+    /// A triangle by its number.
+    fn triangle(&self, prim: u32) -> Triangle {
+        if let Primitive::Triangle(triangle) = self.input.prim(prim) { triangle } else { Triangle { v: [[0.0; 3]; 3] } }
     }
 
     /// The primitives in slot order with the numbers of their kinds.

@@ -20,6 +20,7 @@
 
 #[cfg(feature = "build")]
 pub mod build;
+pub(crate) mod group;
 pub(crate) mod tree;
 pub(crate) mod walk;
 
@@ -55,7 +56,7 @@ impl Face {
     /// Its row.
     #[inline(always)]
     #[allow(clippy::as_conversions)] // an enum's own number
-    const fn at(self) -> usize {
+    pub(crate) const fn at(self) -> usize {
         self as usize
     }
 }
@@ -68,7 +69,7 @@ pub struct Child(u32);
 #[allow(clippy::len_without_is_empty)] // of an inner node one asks whether it is one
 impl Child {
     /// No child: the word of node 0, which is nobody's child.
-    pub(super) const NONE: Self = Self(0);
+    pub(crate) const NONE: Self = Self(0);
 
     /// An inner node.
     #[must_use]

@@ -14,22 +14,28 @@ use crate::num::index;
 use crate::walk::{Best, Meter, Stop, test};
 
 /// What the box tests of a walk read of the ray: for each axis the row of the nearer and of the farther plane.
-struct Rows {
-    near: [Face; 3],
-    far: [Face; 3],
+pub(crate) struct Rows {
+    pub(crate) near: [Face; 3],
+    pub(crate) far: [Face; 3],
 }
 
 impl Rows {
     #[inline(always)]
-    const fn new(ray: &Prepared) -> Self {
+    pub(crate) const fn new(ray: &Prepared) -> Self {
+        Self::of(ray.negative)
+    }
+
+    /// Those of directions with these signs.
+    #[inline(always)]
+    pub(crate) const fn of(negative: [bool; 3]) -> Self {
         let (mut near, mut far) = ([Face::MinX, Face::MinY, Face::MinZ], [Face::MaxX, Face::MaxY, Face::MaxZ]);
-        if ray.negative[0] {
+        if negative[0] {
             (near[0], far[0]) = (Face::MaxX, Face::MinX);
         }
-        if ray.negative[1] {
+        if negative[1] {
             (near[1], far[1]) = (Face::MaxY, Face::MinY);
         }
-        if ray.negative[2] {
+        if negative[2] {
             (near[2], far[2]) = (Face::MaxZ, Face::MinZ);
         }
         Self { near, far }
@@ -113,10 +119,11 @@ pub fn walk<const ANY: bool>(
     }
 }
 
-/// The walk of any binary tree in walk order.
+/// The walk of any binary tree in walk order, from a child on.
 #[inline(always)]
 pub(crate) fn descend<const ANY: bool, N: Branch>(
     nodes: &[N],
+    from: Child,
     tester: &impl Test<N>,
     prims: &Prims<'_>,
     ray: &Prepared,
@@ -124,7 +131,7 @@ pub(crate) fn descend<const ANY: bool, N: Branch>(
     meter: &mut impl Meter,
 ) -> Result<bool, Stop> {
     let mut stack = heapless::Vec::<_, { index(MAX_STACK) }>::new();
-    let mut at = root(nodes, prims.len);
+    let mut at = from;
     loop {
         // Descend, nearer child first, to a leaf or to where both children are missed.
         let leaf = loop {

@@ -83,12 +83,12 @@ impl Axis {
 
 /// Pad of the slab test as a share of the distance to the far side of the scene: 32 half-ulps. See
 /// [`super`], rules 4 and 6.
-const PAD: f32 = 32.0 / 16_777_216.0;
+pub(crate) const PAD: f32 = 32.0 / 16_777_216.0;
 /// Share of the origin's own size, so that the pad survives the rounding of `origin + pad`: 2 half-ulps.
-const ORIGIN_PAD: f32 = 2.0 / 16_777_216.0;
+pub(crate) const ORIGIN_PAD: f32 = 2.0 / 16_777_216.0;
 
 /// Directions of which no component reaches this are tiny.
-const SMALL: f32 = 1.0 / 1_267_650_600_228_229_401_496_703_205_376.0; // 2^-100
+pub(crate) const SMALL: f32 = 1.0 / 1_267_650_600_228_229_401_496_703_205_376.0; // 2^-100
 /// What a tiny direction is multiplied by, so that its inverse does not overflow.
 const SCALE: f32 = 18_446_744_073_709_551_616.0; // 2^64
 
@@ -109,6 +109,11 @@ pub struct Prepared {
     pub(crate) kz: Axis,
     pub(crate) kx: Axis,
     pub(crate) ky: Axis,
+    /// `origin` on `kx`, `ky` and `kz`. A value of its own, like the next: an index that is not constant would keep all
+    /// of this in memory.
+    pub(crate) turned: Vec3,
+    /// `inv` on `kz`.
+    pub(crate) inv_kz: f32,
     /// `dir` on `kx` and `ky` over `dir` on `kz`: at most 1 in size.
     pub(crate) shear: [f32; 2],
     /// Least `t` that counts.
@@ -158,6 +163,8 @@ impl Prepared {
             kz,
             kx,
             ky,
+            turned: [origin[kx.at()], origin[ky.at()], origin[kz.at()]],
+            inv_kz: inv[kz.at()],
             shear: [dir[kx.at()] * inv[kz.at()], dir[ky.at()] * inv[kz.at()]],
             t_min,
             t_max,
@@ -234,7 +241,7 @@ impl Prepared {
         let mut d = [1.0; 3];
         d[self.kx.at()] = self.shear[0];
         d[self.ky.at()] = self.shear[1];
-        (d, self.inv[self.kz.at()])
+        (d, self.inv_kz)
     }
 }
 

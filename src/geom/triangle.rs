@@ -33,10 +33,10 @@ pub struct Triangle {
 }
 
 /// The sum of the edge functions must lie between these for the f32 path: outside, a division could lose bits.
-const LEAST_DET: f32 = 1.0 / MOST_DET;
-const MOST_DET: f32 = 1_208_925_819_614_629_174_706_176.0; // 2^80
+pub(crate) const LEAST_DET: f32 = 1.0 / MOST_DET;
+pub(crate) const MOST_DET: f32 = 1_208_925_819_614_629_174_706_176.0; // 2^80
 /// The products in the edge functions may be at most so many times their sum for the f32 path.
-const MOST_CANCELLED: f32 = 512.0;
+pub(crate) const MOST_CANCELLED: f32 = 512.0;
 
 /// A vertex in the ray's frame: its place in the sheared plane, and its depth along `kz`.
 #[derive(Clone, Copy)]
@@ -49,9 +49,9 @@ struct Sheared {
 impl Sheared {
     #[inline(always)]
     fn new(v: Vec3, ray: &Prepared) -> Self {
-        let z = v[ray.kz.at()] - ray.origin[ray.kz.at()];
-        let x = v[ray.kx.at()] - ray.origin[ray.kx.at()];
-        let y = v[ray.ky.at()] - ray.origin[ray.ky.at()];
+        let z = v[ray.kz.at()] - ray.turned[2];
+        let x = v[ray.kx.at()] - ray.turned[0];
+        let y = v[ray.ky.at()] - ray.turned[1];
         Self { x: x - ray.shear[0] * z, y: y - ray.shear[1] * z, z }
     }
 
@@ -114,8 +114,8 @@ impl Triangle {
         let clear = (low > 0.0 || high < 0.0) && ordinary && steady;
         let (depth, u, v, clockwise) =
             if clear { (depth / det, wb / det, wc / det, det < 0.0) } else { exact_weights(a, b, c)? };
-        let t = ray.admit(depth * ray.inv[ray.kz.at()], ray.slab(&self.bounds()), t_max)?;
-        Some(Crossing { t, u, v, enters: clockwise != ray.negative[ray.kz.at()] })
+        let t = ray.admit(depth * ray.inv_kz, ray.slab(&self.bounds()), t_max)?;
+        Some(Crossing { t, u, v, enters: clockwise != (ray.inv_kz < 0.0) })
     }
 }
 

@@ -22,6 +22,7 @@
 
 #[cfg(feature = "build")]
 pub mod build;
+pub(crate) mod group;
 mod walk;
 
 use crate::blob::lists::Lists;

@@ -126,71 +126,88 @@ impl View<'_> {
             let list = self.lists.get(0).ok_or(Stop::Corrupt)?;
             return test_listed::<ANY>(prims, list, ray, best, meter, mailbox);
         };
-        let (lattice, signs) = (&shape.lattice, Signs::new(ray));
-        let mut stack = heapless::Vec::<Visit, MAX_LEVELS>::new();
-        let Some(mut here) = start(shape, ray, t) else { return Ok(false) };
-        loop {
-            // Enter a node.
-            if !meter.node() {
-                return Err(Stop::Fuel);
-            }
-            meter.at(|| here.cell.bounds(lattice));
-            if here.cell.side < 2 {
-                return Err(Stop::Corrupt);
-            }
-            let mut node = *self.nodes.get(index(here.number)).ok_or(Stop::Corrupt)?;
-            let mut middle = Middle::new(ray, lattice, &here.cell);
-            here.rest = middle.met(here.t) & signs.mirror(node.children());
-            // Test leaves until a child is a node.
-            here = loop {
-                if here.rest == 0 {
-                    // Go on with the latest node that has children left.
-                    let Some(above) = stack.pop() else { return Ok(false) };
-                    here = above;
-                    node = *self.nodes.get(index(here.number)).ok_or(Stop::Corrupt)?;
-                    middle = Middle::new(ray, lattice, &here.cell);
-                }
-                let behind = here.rest.trailing_zeros();
-                here.rest &= here.rest.wrapping_sub(1);
-                let (near, far) = middle.part(behind, here.t);
-                if !(near <= best.t) {
-                    continue;
-                }
-                let c = behind ^ signs.0;
-                let cell = here.cell.child(c);
-                match node.child(c) {
-                    Child::Node(number) => {
-                        if here.rest != 0 {
-                            stack.push(here).map_err(|_| Stop::Corrupt)?;
-                        }
-                        break Visit { number, cell, t: (near, least(best.t, far)), rest: 0 };
-                    }
-                    Child::Leaf(list) => {
-                        if !meter.node() {
-                            return Err(Stop::Fuel);
-                        }
-                        meter.at(|| cell.bounds(lattice));
-                        let list = self.lists.get(list).ok_or(Stop::Corrupt)?;
-                        if test_listed::<ANY>(prims, list, ray, best, meter, mailbox)? {
-                            return Ok(true);
-                        }
-                    }
-                    Child::Empty => {}
-                }
-            };
-        }
+        let root = (0, Cell::root(shape), t);
+        from::<ANY>(self, prims, shape, root, ray, best, meter, mailbox)
     }
 }
 
-/// The ray in the root cube; `None` if it misses that within an interval.
+/// The walk from a node on, given its cell and an interval that holds what counts.
 #[inline(always)]
-fn start(shape: &Shape, ray: &Prepared, (mut near, mut far): (f32, f32)) -> Option<Visit> {
-    let cell = Cell::root(shape);
+#[allow(clippy::too_many_arguments)]
+pub(super) fn from<const ANY: bool>(
+    view: &View<'_>,
+    prims: &Prims<'_>,
+    shape: &Shape,
+    (number, cell, t): (u32, Cell, (f32, f32)),
+    ray: &Prepared,
+    best: &mut Best,
+    meter: &mut impl Meter,
+    mailbox: &mut impl Mailbox,
+) -> Result<bool, Stop> {
+    let (lattice, signs) = (&shape.lattice, Signs::new(ray));
+    let mut stack = heapless::Vec::<Visit, MAX_LEVELS>::new();
+    let Some(mut here) = start(shape, (number, cell), ray, t) else { return Ok(false) };
+    loop {
+        // Enter a node.
+        if !meter.node() {
+            return Err(Stop::Fuel);
+        }
+        meter.at(|| here.cell.bounds(lattice));
+        if here.cell.side < 2 {
+            return Err(Stop::Corrupt);
+        }
+        let mut node = *view.nodes.get(index(here.number)).ok_or(Stop::Corrupt)?;
+        let mut middle = Middle::new(ray, lattice, &here.cell);
+        here.rest = middle.met(here.t) & signs.mirror(node.children());
+        // Test leaves until a child is a node.
+        here = loop {
+            if here.rest == 0 {
+                // Go on with the latest node that has children left.
+                let Some(above) = stack.pop() else { return Ok(false) };
+                here = above;
+                node = *view.nodes.get(index(here.number)).ok_or(Stop::Corrupt)?;
+                middle = Middle::new(ray, lattice, &here.cell);
+            }
+            let behind = here.rest.trailing_zeros();
+            here.rest &= here.rest.wrapping_sub(1);
+            let (near, far) = middle.part(behind, here.t);
+            if !(near <= best.t) {
+                continue;
+            }
+            let c = behind ^ signs.0;
+            let cell = here.cell.child(c);
+            match node.child(c) {
+                Child::Node(number) => {
+                    if here.rest != 0 {
+                        stack.push(here).map_err(|_| Stop::Corrupt)?;
+                    }
+                    break Visit { number, cell, t: (near, least(best.t, far)), rest: 0 };
+                }
+                Child::Leaf(list) => {
+                    if !meter.node() {
+                        return Err(Stop::Fuel);
+                    }
+                    meter.at(|| cell.bounds(lattice));
+                    let list = view.lists.get(list).ok_or(Stop::Corrupt)?;
+                    if test_listed::<ANY>(prims, list, ray, best, meter, mailbox)? {
+                        return Ok(true);
+                    }
+                }
+                Child::Empty => {}
+            }
+        };
+    }
+}
+
+/// The ray in a cell; `None` if it misses that within an interval.
+#[inline(always)]
+fn start(shape: &Shape, (number, cell): (u32, Cell), ray: &Prepared, (mut near, mut far): (f32, f32)) -> Option<Visit> {
     for axis in Axis::ALL {
         let k = axis.at();
-        let (first, last) = if ray.negative[k] { (cell.side, 0) } else { (0, cell.side) };
+        let (low, high) = (cell.corner[k], cell.corner[k].wrapping_add(cell.side));
+        let (first, last) = if ray.negative[k] { (high, low) } else { (low, high) };
         near = most(ray.near(k, shape.lattice.plane(axis, first)), near);
         far = least(ray.far(k, shape.lattice.plane(axis, last)), far);
     }
-    (near <= far).then_some(Visit { number: 0, cell, t: (near, far), rest: 0 })
+    (near <= far).then_some(Visit { number, cell, t: (near, far), rest: 0 })
 }

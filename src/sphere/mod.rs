@@ -19,6 +19,7 @@
 
 #[cfg(feature = "build")]
 pub mod build;
+pub(crate) mod group;
 mod walk;
 
 use crate::blob::prims::Prims;

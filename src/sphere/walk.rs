@@ -34,6 +34,7 @@
 //! where a NaN turns up: every comparison is written so.
 use super::{Node, View};
 use crate::blob::prims::Prims;
+use crate::bvh::tree::root;
 use crate::bvh::walk::{Test, descend};
 use crate::geom::ray::Prepared;
 use crate::geom::root::sqrt;
@@ -50,7 +51,7 @@ const MOST_PAD: f32 = 10_141_204_801_825_835_211_973_625_643_008.0; // 2^103
 const UNDERFLOW: f32 = 4.0 * f32::from_bits(1); // 2^-147
 
 /// What the sphere tests of a walk read of the ray.
-struct Line {
+pub(super) struct Line {
     origin: Vec3,
     /// The direction over its largest component.
     dir: Vec3,
@@ -68,7 +69,7 @@ struct Line {
 
 impl Line {
     #[inline(always)]
-    fn new(ray: &Prepared) -> Self {
+    pub(super) fn new(ray: &Prepared) -> Self {
         let (dir, to_t) = ray.scaled_dir();
         // Turned so that distances grow with `t`.
         let (dir, to_t) = if to_t < 0.0 { (scale(dir, -1.0), -to_t) } else { (dir, to_t) };
@@ -112,6 +113,6 @@ impl View<'_> {
         best: &mut Best,
         meter: &mut impl Meter,
     ) -> Result<bool, Stop> {
-        descend::<ANY, _>(self.nodes, &Line::new(ray), prims, ray, best, meter)
+        descend::<ANY, _>(self.nodes, root(self.nodes, prims.len), &Line::new(ray), prims, ray, best, meter)
     }
 }

@@ -29,7 +29,7 @@ pub fn test<const ANY: bool>(
     let run = prims.triangles.get(index(first)..).and_then(|t| t.get(..index(len))).ok_or(Stop::Corrupt)?;
     for (i, triangle) in run.iter().enumerate() {
         if let Some(crossing) = triangle.crossing(ray, best.t) {
-            best.offer(crossing, prims.id(first.wrapping_add(count(i))));
+            best.offer(crossing, prims.id_outside_blocks(first.wrapping_add(count(i))));
             if ANY {
                 meter.untested(len.wrapping_sub(count(i)).wrapping_sub(1));
                 return Ok(true);
@@ -68,7 +68,7 @@ pub fn test_listed<const ANY: bool>(
         }
         let triangle = prims.triangles.get(index(slot)).ok_or(Stop::Corrupt)?;
         if let Some(crossing) = triangle.crossing(ray, best.t) {
-            best.offer(crossing, prims.id(slot));
+            best.offer(crossing, prims.id_outside_blocks(slot));
             if ANY {
                 meter.untested(count(rest.len()));
                 return Ok(true);
@@ -115,7 +115,7 @@ fn mixed<const ANY: bool>(
             continue;
         }
         if let Some(crossing) = crossing(prims, slot, &ray, tested.best.t)? {
-            tested.best.offer(crossing, prims.id(slot));
+            tested.best.offer(crossing, prims.id_outside_blocks(slot));
             if ANY {
                 (tested.over, tested.left) = (true, count(slots.len()));
                 return Ok(tested);
@@ -130,7 +130,7 @@ fn mixed<const ANY: bool>(
 /// In place: a [`Primitive`](crate::blob::prims::Primitive) is copied in other pieces than it is read in, and to wait
 /// for those took longer than the test.
 #[inline(always)]
-fn crossing(prims: &Prims<'_>, slot: u32, ray: &Prepared, t_max: f32) -> Result<Option<Crossing>, Stop> {
+pub(super) fn crossing(prims: &Prims<'_>, slot: u32, ray: &Prepared, t_max: f32) -> Result<Option<Crossing>, Stop> {
     let (kind, at) = prims.referred(slot).ok_or(Stop::Corrupt)?;
     let at_t = |t| Crossing { t, u: 0.0, v: 0.0, enters: true };
     let found = match kind {

@@ -55,6 +55,33 @@ impl Meter for Fuel {
     }
 }
 
+impl<M: Meter> Meter for &mut M {
+    #[inline(always)]
+    fn node(&mut self) -> bool {
+        (**self).node()
+    }
+
+    #[inline(always)]
+    fn prims(&mut self, n: u32) -> bool {
+        (**self).prims(n)
+    }
+
+    #[inline(always)]
+    fn at(&mut self, bounds: impl FnOnce() -> Aabb) {
+        (**self).at(bounds);
+    }
+
+    #[inline(always)]
+    fn spared(&mut self, n: u32) {
+        (**self).spared(n);
+    }
+
+    #[inline(always)]
+    fn untested(&mut self, n: u32) {
+        (**self).untested(n);
+    }
+}
+
 /// What a query cost.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Steps {

@@ -4,11 +4,20 @@
 //! every index goes through `get`, every push can be refused, and every step is paid from a [`Meter`]. Where one of
 //! these fails the walk says [`Stop`].
 
+pub mod block;
 pub mod dda;
+pub(crate) mod group;
+pub(crate) mod heading;
+pub mod lanes;
 mod leaf;
 pub mod mailbox;
 mod meter;
+pub(crate) mod packet;
+pub(crate) mod prepare;
 
+pub use group::SCRATCH as GROUP_SCRATCH;
+pub use heading::PacketSize;
+pub use lanes::Isa;
 pub use leaf::{test, test_listed};
 pub use mailbox::Mailbox;
 pub use meter::{Fuel, Meter, Part, Steps, Tally};

@@ -31,7 +31,7 @@ fn assert_whole(facts: &Value, scene: &str, primitives: u64) {
         let sections: u64 = row["sections"].as_object().expect("sections").values().filter_map(Value::as_u64).sum();
         assert!(parts == sections && parts < row["bytes"].as_u64().unwrap_or(0), "{row}");
         // Who parts space says what lies where.
-        let lists = !matches!(row["kind"].as_str(), Some("list" | "bvh" | "sphere"));
+        let lists = !matches!(row["kind"].as_str(), Some("list" | "bvh" | "sphere" | "wide"));
         assert_eq!(row["reference_bytes"].as_u64().is_some_and(|n| n > 0), lists, "{row}");
         for kind in ["camera", "diffuse", "shadow", "chord"] {
             positive(row, &format!("/mrays_per_second/{kind}"));

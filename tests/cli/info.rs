@@ -49,6 +49,7 @@ fn info_says_what_the_library_says() {
         let checksum = u32::from_le_bytes(bytes[12..16].try_into().expect("4 bytes"));
         assert_eq!(facts["checksum"], format!("{checksum:08x}"));
         let sah = facts["sah_cost"].as_f64().expect("a number");
+        assert_eq!(facts["end_point_overlap"].is_null(), scene.kind() == flashray::Kind::List);
         if let Some(view) = scene.bvh() {
             assert_eq!(facts["nodes"], view.nodes.len());
             assert_eq!(facts["leaves"], view.nodes.len() + 1);
@@ -75,6 +76,9 @@ fn info_for_people_has_the_same_numbers() {
         ("  triangles ", vec![format!("{} ", 12 * 36)]),
         ("nodes ", vec![format!("{} ", facts["nodes"]), format!("depth {}", facts["depth"])]),
         ("SAH cost ", vec![format!("{:.2}", facts["sah_cost"].as_f64().expect("a number"))]),
+        ("EPO ", vec![format!("{:.3},", facts["end_point_overlap"].as_f64().expect("a number"))]),
+        ("ray cost ", vec![format!("{:.2},", facts["ray_cost"]["all"].as_f64().expect("a number"))]),
+        ("  chord ", vec![format!("{:.2}:", facts["ray_cost"]["chord"]["cost"].as_f64().expect("a number"))]),
         (
             "worst case ",
             vec![format!("stack {} ", facts["limits"]["stack"]), format!("{} steps", facts["limits"]["steps"])],
@@ -85,6 +89,50 @@ fn info_for_people_has_the_same_numbers() {
         for part in parts {
             assert!(line(start).contains(&part), "no `{part}` in `{}`", line(start));
         }
+    }
+}
+
+/// Two squares that cross: half of each lies in the other's box. A ray that ends there visits both leaves.
+#[test]
+fn info_knows_the_overlap_at_end_points() {
+    let folder = Folder::new("info-overlap");
+    folder.put(
+        "cross.obj",
+        "v 0 0 1\nv 2 0 1\nv 2 2 1\nv 0 2 1\nv 1 0 0\nv 3 0 2\nv 3 2 2\nv 1 2 0\nf 1 2 3 4\nf 5 6 7 8\n",
+    );
+    let cost = |options: &str| {
+        folder.ok(&format!("build cross.obj -o cross.fray {options}"));
+        folder.json("info cross.fray --json")
+    };
+    // Leaves of two triangles, and no inner node but the root. Of the slanting square a line lies in the flat one's box;
+    // of the flat one half, an area of 2, lies in the slanting one's box: two tests in vain.
+    let facts = cost("--rule seed --leaf 2");
+    let (overlap, expected) =
+        (facts["end_point_overlap"].as_f64().expect("a number"), 2.0 * 2.0 / (4.0 + 32f64.sqrt()));
+    assert_eq!(facts["nodes"], 1, "{facts}");
+    assert!((overlap - expected).abs() < 0.01, "{overlap}, not {expected}");
+    // One leaf of everything is never visited in vain, and of other structures nothing is said.
+    assert_eq!(cost("--structure list")["end_point_overlap"], json!(null));
+}
+
+/// The same rays whatever the structure: the list tests everything, and a hierarchy of one leaf too.
+#[test]
+fn info_measures_what_rays_cost() {
+    let folder = Folder::new("info-cost");
+    for (structure, step, test) in [("list", 1.0, 1.0), ("bvh", 3.0, 1.0), ("sphere", 3.0, 1.0), ("wide", 1.0, 0.6)] {
+        folder.put("one.obj", "v 0 0 0\nv 1 0 0\nv 0 1 1\nf 1 2 3\n");
+        folder.ok(&format!("build one.obj -o one.fray --structure {structure} --local 5,0,0"));
+        let cost = &folder.json("info one.fray --json")["ray_cost"];
+        let number = |value: &serde_json::Value| value.as_f64().expect("a number");
+        // Constants are f32.
+        assert!((number(&cost["step"]) - step).abs() < 1e-6 && (number(&cost["test"]) - test).abs() < 1e-6, "{cost}");
+        for kind in ["camera", "diffuse", "shadow", "chord"] {
+            let of = &cost[kind];
+            assert!(number(&of["rays"]) >= 16.0 && number(&of["steps"]) == 0.0, "{structure}: {cost}");
+            assert!(number(&of["tests"]) <= 1.0, "{structure}: {cost}");
+            assert!((number(&of["cost"]) - number(&of["tests"]) * test).abs() < 1e-6, "{structure}: {cost}");
+        }
+        assert!(number(&cost["camera"]["tests"]) > 0.5, "{structure}: {cost}");
     }
 }
 

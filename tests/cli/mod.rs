@@ -1,4 +1,5 @@
 //! The command as its users run it: a fresh folder for each test, and all that it says and writes is looked at.
+mod bench;
 mod broken;
 mod broken_blobs;
 mod compare;

@@ -86,7 +86,14 @@ fn modes_threads_and_any_agree() {
     folder.ok("trace b.fray --rays rays -o truth");
     let truth = folder.get("truth");
     assert_eq!(truth.len(), 9001 * 16);
-    for options in ["--mode single", "--mode group", "--threads 1", "--threads 3 --mode group"] {
+    for options in [
+        "--mode single",
+        "--mode group",
+        "--mode packet",
+        "--mode packet --packet 16",
+        "--threads 1",
+        "--threads 3 --mode group",
+    ] {
         folder.ok(&format!("trace b.fray --rays rays -o hits {options}"));
         assert!(folder.get("hits") == truth, "{options}");
         folder.ok(&format!("trace b.fray --rays rays -o any --any {options}"));

@@ -2,15 +2,22 @@
 use super::Folder;
 
 /// What can not be meant.
-const WRONG: [&str; 50] = [
+const WRONG: [&str; 60] = [
     "",
     "nosuch",
+    "bench",
+    "bench cube.obj --structure nosuch",
+    "bench cube.obj --structure wide,,bvh",
+    "bench cube.obj --rays 63",
+    "bench cube.obj --rays 10000001",
+    "bench cube.obj --rounds 0",
     "compare",
     "compare cube.obj extra",
     "compare cube.obj --rays 15",
     "compare cube.obj --rays 10000001",
     "compare cube.obj --rounds 0",
     "compare cube.obj --leaf 16",
+    "compare cube.obj --quality 3",
     "compare cube.obj --slice w",
     "compare cube.obj --at 1.5",
     "compare cube.obj --at nan",
@@ -21,6 +28,7 @@ const WRONG: [&str; 50] = [
     "build cube.obj -o out --leaf 16",
     "build cube.obj -o out --structure nosuch",
     "build cube.obj -o out --rule nosuch",
+    "build cube.obj -o out --quality best",
     "build cube.obj -o out --local 1,2",
     "build cube.obj -o out --local 1,2,3,4",
     "build cube.obj -o out --local 1,2,nan",
@@ -33,9 +41,11 @@ const WRONG: [&str; 50] = [
     "rays cube.fray -o out --count -1",
     "rays cube.fray -o out --count 100000001",
     "rays cube.fray -o out --seed x",
+    "rays cube.fray -o out --kind nosuch",
+    "rays cube.fray -o out --kind camera --hostile",
     "trace cube.fray -o out",
     "trace cube.fray --rays rays",
-    "trace cube.fray --rays rays -o out --mode packet",
+    "trace cube.fray --rays rays -o out --mode packet --packet 5",
     "trace cube.fray --rays rays -o out --threads x",
     "trace cube.fray --rays rays -o out --threads 1025",
     "render cube.fray",
@@ -78,7 +88,7 @@ fn refused(folder: &Folder, args: &str) {
 }
 
 /// Every verb with what its help must name.
-const HELP: [(&str, &[&str]); 9] = [
+const HELP: [(&str, &[&str]); 10] = [
     (
         "build",
         &[
@@ -90,6 +100,7 @@ const HELP: [(&str, &[&str]); 9] = [
             "list",
             "bvh",
             "--rule",
+            "--quality",
             "seed",
             "sah",
             "--leaf",
@@ -99,8 +110,24 @@ const HELP: [(&str, &[&str]); 9] = [
     ),
     ("info", &["FILE", "--json"]),
     ("check", &["FILE", "--json"]),
-    ("rays", &["FILE", "-o", "--output", "--count", "--hostile", "--seed"]),
-    ("trace", &["--rays", "-o", "--output", "--any", "--mode", "single", "group", "--threads", "--json", "0xffffffff"]),
+    ("rays", &["FILE", "-o", "--output", "--count", "--hostile", "--kind", "camera", "chord", "--seed"]),
+    (
+        "trace",
+        &[
+            "--rays",
+            "-o",
+            "--output",
+            "--any",
+            "--mode",
+            "single",
+            "group",
+            "packet",
+            "--packet",
+            "--threads",
+            "--json",
+            "0xffffffff",
+        ],
+    ),
     (
         "render",
         &[
@@ -119,7 +146,23 @@ const HELP: [(&str, &[&str]); 9] = [
             "--fov",
         ],
     ),
-    ("compare", &["IN", "-o", "--output", "--rays", "--rounds", "--leaf", "--slice", "--at", "--json", "index.html"]),
+    (
+        "compare",
+        &[
+            "IN",
+            "-o",
+            "--output",
+            "--rays",
+            "--rounds",
+            "--leaf",
+            "--quality",
+            "--slice",
+            "--at",
+            "--json",
+            "index.html",
+        ],
+    ),
+    ("bench", &["FILE", "--structure", "wide", "--rays", "--rounds", "--json"]),
     ("emit", &["--as", "rust", "c", "-o", "--output", "--name", "--section"]),
     ("demo", &["-o", "--output", "--rays", "--json"]),
 ];

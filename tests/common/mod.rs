@@ -5,7 +5,7 @@ pub mod tools;
 
 use crate::soup::Soup;
 use flashray::blob::Buffer;
-use flashray::build::{Config, Rule, to_vec};
+use flashray::build::{Config, Quality, Rule, to_vec};
 use flashray::{Hit, Kind};
 use std::path::PathBuf;
 
@@ -14,8 +14,10 @@ pub fn configs() -> Vec<Config> {
     vec![
         Config::new(Kind::List),
         Config::new(Kind::Bvh),
+        Config::new(Kind::Bvh).quality(Quality::Fast),
         Config::new(Kind::Bvh).rule(Rule::Seed),
         Config::new(Kind::Bvh).leaf(1),
+        Config::new(Kind::Bvh).quality(Quality::High),
         Config::new(Kind::Grid),
         Config::new(Kind::Grid).rule(Rule::Seed),
         Config::new(Kind::Grid).cells(37),
@@ -33,8 +35,14 @@ pub fn configs() -> Vec<Config> {
         Config::new(Kind::Bsp).rule(Rule::Seed),
         Config::new(Kind::Bsp).rule(Rule::Seed).leaf(1),
         Config::new(Kind::Sphere),
+        Config::new(Kind::Sphere).quality(Quality::Fast),
         Config::new(Kind::Sphere).rule(Rule::Seed),
         Config::new(Kind::Sphere).leaf(1),
+        Config::new(Kind::Wide),
+        Config::new(Kind::Wide).quality(Quality::Fast),
+        Config::new(Kind::Wide).rule(Rule::Seed),
+        Config::new(Kind::Wide).leaf(1),
+        Config::new(Kind::Wide).quality(Quality::High),
     ]
 }
 

@@ -29,6 +29,8 @@ pub enum Command {
     Render(cmd::render::Args),
     /// Compare every structure on one scene: speed, size, and pictures of how each parts it
     Compare(cmd::compare::Args),
+    /// Measure the speed of queries: each structure, instruction set and mode on four kinds of rays
+    Bench(cmd::bench::Args),
     /// Turn a blob into source: a Rust module or a C array
     Emit(cmd::emit::Args),
     /// Build, check, trace and render the procedural scenes, and compare every answer with the list
@@ -45,6 +47,7 @@ impl Command {
             Self::Trace(args) => cmd::trace::run(&args),
             Self::Render(args) => cmd::render::run(&args),
             Self::Compare(args) => cmd::compare::run(&args),
+            Self::Bench(args) => cmd::bench::run(&args),
             Self::Emit(args) => cmd::emit::run(&args),
             Self::Demo(args) => cmd::demo::run(&args),
         }

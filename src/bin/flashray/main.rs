@@ -6,9 +6,11 @@
 mod args;
 mod camera;
 mod cmd;
+mod columns;
 mod file;
 mod hostile;
 mod input;
+mod kinds;
 mod mesh;
 mod normal;
 mod random;

@@ -95,33 +95,80 @@ impl<'n> Tree<'n> {
     pub fn refs(self) -> impl Iterator<Item = &'n Ref> {
         // With no node, the whole run is one leaf.
         let run = if self.nodes.is_empty() { self.refs } else { &[] };
-        self.runs(run, (!self.nodes.is_empty()).then_some(Child::node(0)))
+        runs(self.refs, self.nodes, run, (!self.nodes.is_empty()).then_some(Child::node(0)))
     }
 
     /// The references below a side of the node that had this number before.
     pub(crate) fn refs_below(self, node: u32, side: usize) -> impl Iterator<Item = &'n Ref> {
-        self.runs(&[], self.nodes.get(index(node)).map(|n| n.child[side & 1]))
+        runs(self.refs, self.nodes, &[], self.nodes.get(index(node)).map(|n| n.child[side & 1]))
+    }
+}
+
+/// A run, and then the references below a child.
+pub(crate) fn runs<'n>(
+    refs: &'n [Ref],
+    nodes: &'n [Node],
+    mut run: &'n [Ref],
+    mut next: Option<Child>,
+) -> impl Iterator<Item = &'n Ref> {
+    let mut todo = heapless::Vec::<Child, 128>::new();
+    core::iter::from_fn(move || {
+        loop {
+            if let Some((first, rest)) = run.split_first() {
+                run = rest;
+                return Some(first);
+            }
+            let child = next.take().or_else(|| todo.pop())?;
+            if child.is_node() {
+                let [left, right] = nodes.get(index(child.number()))?.child;
+                let _ = todo.push(right);
+                next = Some(left);
+            } else {
+                run = refs.get(index(child.number())..index(child.number() + child.len()))?;
+            }
+        }
+    })
+}
+
+/// Every node after those below it: down to the left, over to the right, and up, by the places in the nodes' first
+/// reserved words.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Climb {
+    /// The place of the node to go up from; none before the first step.
+    from: Option<Place>,
+}
+
+impl Climb {
+    pub(crate) const fn new() -> Self {
+        Self { from: None }
     }
 
-    /// A run, and then the references below a child.
-    fn runs(self, mut run: &'n [Ref], mut next: Option<Child>) -> impl Iterator<Item = &'n Ref> {
-        let mut todo = heapless::Vec::<Child, 128>::new();
-        core::iter::from_fn(move || {
-            loop {
-                if let Some((first, rest)) = run.split_first() {
-                    run = rest;
-                    return Some(first);
-                }
-                let child = next.take().or_else(|| todo.pop())?;
-                if child.is_node() {
-                    let [left, right] = self.nodes.get(index(child.number()))?.child;
-                    let _ = todo.push(right);
-                    next = Some(left);
-                } else {
-                    run = self.refs.get(index(child.number())..index(child.number() + child.len()))?;
-                }
+    /// The next node and its place; `None` after the root. What is below it, it may have changed, but not its place.
+    pub(crate) fn next(&mut self, nodes: &[Node]) -> Option<(u32, Place)> {
+        let inner = |place: Place| {
+            let child = nodes.get(place.node())?.child[place.side()];
+            child.is_node().then_some(child.number())
+        };
+        // From a left child over to the right one, if that is a node; else up.
+        let mut at = match self.from {
+            None => (!nodes.is_empty()).then_some((0, true)),
+            Some(Place::ROOT) => None,
+            Some(from) if from.side() == 0 => {
+                Some(inner(from.sibling()).map_or((count(from.node()), false), |n| (n, true)))
             }
-        })
+            Some(from) => Some((count(from.node()), false)),
+        };
+        while let Some((node, true)) = at {
+            at = [0, 1]
+                .into_iter()
+                .find_map(|side| inner(Place::new(node, side)))
+                .map(|n| (n, true))
+                .or(Some((node, false)));
+        }
+        let (node, _) = at?;
+        let place = Place(nodes.get(index(node))?.reserved[0]);
+        self.from = Some(place);
+        Some((node, place))
     }
 }
 
@@ -135,44 +182,16 @@ struct Join<'j> {
 }
 
 impl Join<'_> {
-    /// Goes down to the left, over to the right, and up, by the places in the nodes' first reserved words.
     fn run(&mut self, bounds: &Aabb) {
-        let mut at = 0;
-        loop {
-            // Down the left sides to a node whose left child is a leaf.
-            while let Some(child) = self.inner(Place::new(at, 0)) {
-                at = child;
-            }
-            loop {
-                if let Some(child) = self.inner(Place::new(at, 1)) {
-                    at = child;
-                    break;
-                }
-                // Up, as long as it is from the right side.
-                loop {
-                    let place = self.finish(at, bounds);
-                    if place == Place::ROOT {
-                        return;
-                    }
-                    at = count(place.node());
-                    if place.side() == 0 {
-                        break;
-                    }
-                }
-            }
+        let mut climb = Climb::new();
+        while let Some((at, place)) = climb.next(self.nodes) {
+            self.finish(at, place, bounds);
         }
     }
 
-    /// The number of the inner node at a place, if one is there.
-    fn inner(&self, place: Place) -> Option<u32> {
-        let child = self.nodes.get(place.node())?.child[place.side()];
-        child.is_node().then_some(child.number())
-    }
-
-    /// Decides about a node whose children are finished, and returns its place.
-    fn finish(&mut self, at: u32, bounds: &Aabb) -> Place {
-        let Some(&node) = self.nodes.get(index(at)) else { return Place::ROOT };
-        let place = Place(node.reserved[0]);
+    /// Decides about a node whose children are finished.
+    fn finish(&mut self, at: u32, place: Place, bounds: &Aabb) {
+        let Some(&node) = self.nodes.get(index(at)) else { return };
         let own = self.nodes.get(place.node()).map_or(*bounds, |n| n.bounds(place.side()));
         let (mut below, mut prims, mut cost) = (1, 0, self.node_cost * area(&own, self.unit));
         for side in 0..2 {
@@ -196,6 +215,5 @@ impl Join<'_> {
         if let Some(r) = self.refs.get_mut(index(at)) {
             r.scratch = cost;
         }
-        place
     }
 }

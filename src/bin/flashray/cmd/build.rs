@@ -4,7 +4,7 @@ use clap::ValueEnum;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use flashray::Kind;
 use flashray::blob::KINDS;
-use flashray::build::{Config, MOST_CELLS, Rule, to_vec};
+use flashray::build::{Config, MOST_CELLS, Quality, Rule, to_vec};
 use std::path::PathBuf;
 use std::time::Instant;
 
@@ -22,6 +22,9 @@ pub struct Args {
     /// How it splits: the textbook's rule, or the surface-area heuristic
     #[arg(long, value_enum, default_value = "sah")]
     rule: Split,
+    /// How much time --rule sah may take for bvh, sphere and wide: for the same answers, and faster rays
+    #[arg(long, value_enum, default_value = "default")]
+    quality: Effort,
     /// Most primitives of a leaf of bvh and sphere; octree and bsp cut what has more by --rule seed, where that helps, and
     /// octree looks farther ahead by --rule sah. The others have no such limit
     #[arg(long, default_value_t = 8, value_parser = clap::value_parser!(u32).range(1..=15))]
@@ -46,6 +49,23 @@ pub enum Split {
     Sah,
 }
 
+#[derive(Clone, Copy, ValueEnum)]
+pub enum Effort {
+    Fast,
+    Default,
+    High,
+}
+
+impl Effort {
+    pub fn quality(self) -> Quality {
+        match self {
+            Self::Fast => Quality::Fast,
+            Self::Default => Quality::Default,
+            Self::High => Quality::High,
+        }
+    }
+}
+
 impl Args {
     fn config(&self) -> Config {
         let rule = match self.rule {
@@ -53,12 +73,12 @@ impl Args {
             Split::Sah => Rule::Sah,
         };
         let config = Config::new(self.structure).rule(rule).leaf(self.leaf).local(self.local);
-        config.cells(self.cells).threshold(self.threshold)
+        config.cells(self.cells).threshold(self.threshold).quality(self.quality.quality())
     }
 }
 
 /// Structures by their names.
-fn structures() -> impl TypedValueParser<Value = Kind> {
+pub fn structures() -> impl TypedValueParser<Value = Kind> {
     let kind = |name: &str| KINDS.iter().find(|(_, known)| *known == name).map_or(Kind::List, |(kind, _)| *kind);
     PossibleValuesParser::new(KINDS.iter().map(|(_, name)| *name)).map(move |name| kind(&name))
 }

@@ -1,4 +1,6 @@
 //! `flashray info`.
+use super::cost::Cost;
+use super::overlap;
 use crate::{Failure, file};
 use flashray::blob::{Blob, Section};
 use flashray::{Aabb, Kind, Scene};
@@ -36,6 +38,9 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     let per_prim = bytes.len() as f64 / prims;
     let sections: Vec<_> = blob.entries().iter().map(|e| (name(e.section), e.length)).collect();
     let bounds = scene.bounds();
+    // Of what parts space, and of the list, there are no boxes around what is below them.
+    let hierarchy = matches!(scene.kind(), Kind::Bvh | Kind::Sphere | Kind::Wide);
+    let (overlap, cost) = (hierarchy.then(|| overlap::end_points(&scene)), Cost::new(&scene));
     if args.json {
         let sections: serde_json::Map<_, _> = sections.iter().map(|(n, l)| ((*n).to_owned(), json!(l))).collect();
         let facts = json!({
@@ -43,6 +48,7 @@ pub fn run(args: &Args) -> Result<(), Failure> {
             "checksum": format!("{:08x}", blob.header().checksum),
             "primitives": scene.len(), "bytes_per_primitive": per_prim,
             "nodes": shape.nodes, "leaves": shape.leaves, "references": shape.listed, "depth": shape.depth, "sah_cost": shape.sah_cost,
+            "end_point_overlap": overlap, "ray_cost": cost.json(),
             "limits": { "stack": limits.stack, "steps": limits.steps },
             "bounds": { "min": bounds.min, "max": bounds.max }, "local_origin": scene.local_origin(),
             "sections": sections,
@@ -61,6 +67,10 @@ pub fn run(args: &Args) -> Result<(), Failure> {
         format!("nodes        {} with {} leaves or cells, depth {}", shape.nodes, shape.leaves, shape.depth),
         format!("references   {} ({:.2} a primitive)", shape.listed, shape.listed as f64 / prims),
         format!("SAH cost     {:.2}", shape.sah_cost),
+    ]);
+    lines.extend(overlap.map(|x| format!("EPO          {x:.3}, sampled at {} points", overlap::POINTS)));
+    lines.extend(cost.lines());
+    lines.extend([
         format!("worst case   stack {} entries, {} steps", limits.stack, limits.steps),
         format!("bounds       {:?} .. {:?}", bounds.min, bounds.max),
         format!("local origin {:?}", scene.local_origin()),
@@ -80,7 +90,7 @@ impl Shape {
             // Of a scene without area nothing can be said but that a ray may meet all of it.
             let share = if whole > 0.0 { area(&part.bounds) / whole } else { 1.0 };
             // A hierarchy of bounds knows from the parent whether a leaf is met; a cell is a step of its own.
-            let bounds = matches!(scene.kind(), Kind::List | Kind::Bvh | Kind::Sphere);
+            let bounds = matches!(scene.kind(), Kind::List | Kind::Bvh | Kind::Sphere | Kind::Wide);
             let step = if part.listed.is_none() || !bounds { 1.0 } else { 0.0 };
             shape.sah_cost += share * (step + f64::from(part.listed.unwrap_or(0)));
             shape.nodes += usize::from(part.listed.is_none());

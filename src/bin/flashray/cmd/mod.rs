@@ -1,10 +1,13 @@
 //! One file per verb.
+pub mod bench;
 pub mod build;
 pub mod check;
 pub mod compare;
+pub mod cost;
 pub mod demo;
 pub mod emit;
 pub mod info;
+pub mod overlap;
 pub mod rays;
 pub mod render;
 pub mod trace;
@@ -31,4 +34,10 @@ pub fn spinner(what: &'static str) -> ProgressBar {
 /// Seconds and a number of things as millions of things a second.
 fn millions_per_second(n: usize, seconds: f64) -> f64 {
     n as f64 / seconds.max(1e-9) / 1e6
+}
+
+/// The middle one of some numbers, the lower of two.
+fn median(numbers: &mut [f64]) -> f64 {
+    numbers.sort_by(f64::total_cmp);
+    numbers.get(numbers.len().saturating_sub(1) / 2).copied().unwrap_or(0.0)
 }

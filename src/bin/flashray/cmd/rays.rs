@@ -1,10 +1,12 @@
 //! `flashray rays`: sample rays, a quarter each from a camera, between points around the scene, through vertices, and
-//! through edges, all taken from the blob itself; or hostile ones.
+//! through edges, all taken from the blob itself; or one of the kinds that `bench` measures; or hostile ones.
 use super::trace::encode_ray;
 use crate::camera::{Camera, Vec3, add_scaled, sub, unit};
 use crate::hostile::Targets;
+use crate::kinds::{KINDS, Order, Rays, Stage};
 use crate::random::Random;
 use crate::{Failure, file};
+use clap::builder::PossibleValuesParser;
 use flashray::blob::prims::Primitive;
 use flashray::{Ray, Scene};
 use std::path::PathBuf;
@@ -24,6 +26,9 @@ pub struct Args {
     /// intervals
     #[arg(long)]
     hostile: bool,
+    /// One kind instead of a sample, as `bench` has them; about as many as --count says
+    #[arg(long, value_parser = PossibleValuesParser::new(KINDS), conflicts_with_all = ["hostile", "seed"])]
+    kind: Option<String>,
     /// Where the random numbers start
     #[arg(long, default_value_t = 1)]
     seed: u64,
@@ -41,14 +46,19 @@ pub fn run(args: &Args) -> Result<(), Failure> {
         crate::args::usage("several blobs make sense with --hostile only");
     }
     let spinner = super::spinner("aiming");
-    let rays = match &scenes[..] {
-        [scene] if !args.hostile => sample(scene, count, args.seed),
-        scenes => Targets::new(scenes).rays(count, args.seed),
+    let kind = args.kind.as_ref().and_then(|kind| KINDS.iter().position(|name| name == kind));
+    let rays = match (&scenes[..], kind) {
+        ([scene], Some(kind)) => {
+            Rays::new(&Stage::default(), scene, count, Order::Squares).kinds.into_iter().nth(kind).unwrap_or_default()
+        }
+        ([scene], None) if !args.hostile => sample(scene, count, args.seed),
+        (scenes, _) => Targets::new(scenes).rays(count, args.seed),
     };
+    let count = rays.len();
     let rays: Vec<u8> = rays.iter().flat_map(encode_ray).collect();
     file::write(&args.output, &rays)?;
     spinner.finish_and_clear();
-    file::say(&format!("{}: {} rays", args.output.display(), args.count))
+    file::say(&format!("{}: {count} rays", args.output.display()))
 }
 
 /// A direction, each as likely as any other.

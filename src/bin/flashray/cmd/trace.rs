@@ -1,6 +1,7 @@
 //! `flashray trace`, and the files of rays and hits.
 use crate::{Failure, file};
 use clap::ValueEnum;
+use flashray::walk::PacketSize;
 use flashray::{Hit, Ray, Scene};
 use rayon::prelude::*;
 use std::path::PathBuf;
@@ -23,6 +24,9 @@ pub struct Args {
     /// How rays are handed to the library: the answers are the same
     #[arg(long, value_enum, default_value = "single")]
     mode: Mode,
+    /// Rays of a packet, with --mode packet
+    #[arg(long, value_enum, default_value = "8")]
+    packet: Size,
     /// Threads, up to 1024; 0 means one per core
     #[arg(long, default_value_t = 0, value_parser = clap::value_parser!(u32).range(..=1024))]
     threads: u32,
@@ -31,12 +35,55 @@ pub struct Args {
     json: bool,
 }
 
+/// How rays are handed to the library.
 #[derive(Clone, Copy, ValueEnum)]
-enum Mode {
+pub enum Mode {
     /// One ray a call
     Single,
     /// Many rays a call
     Group,
+    /// Many rays a call, and so many of them against a box or a triangle
+    Packet,
+}
+
+#[derive(Clone, Copy, ValueEnum)]
+enum Size {
+    #[value(name = "4")]
+    Four,
+    #[value(name = "8")]
+    Eight,
+    #[value(name = "16")]
+    Sixteen,
+}
+
+impl Size {
+    const fn of(self) -> PacketSize {
+        match self {
+            Self::Four => PacketSize::Four,
+            Self::Eight => PacketSize::Eight,
+            Self::Sixteen => PacketSize::Sixteen,
+        }
+    }
+}
+
+impl Mode {
+    /// The closest hits of many rays.
+    pub fn closest(self, scene: &Scene<'_>, of: PacketSize, rays: &[Ray], hits: &mut [Option<Hit>]) {
+        match self {
+            Self::Single => rays.iter().zip(hits).for_each(|(ray, hit)| *hit = scene.closest_hit(ray)),
+            Self::Group => scene.closest_hits(rays, hits),
+            Self::Packet => scene.closest_hits_in_packets(of, rays, hits),
+        }
+    }
+
+    /// Whether they hit anything.
+    pub fn any(self, scene: &Scene<'_>, of: PacketSize, rays: &[Ray], hits: &mut [bool]) {
+        match self {
+            Self::Single => rays.iter().zip(hits).for_each(|(ray, hit)| *hit = scene.any_hit(ray)),
+            Self::Group => scene.any_hits(rays, hits),
+            Self::Packet => scene.any_hits_in_packets(of, rays, hits),
+        }
+    }
 }
 
 const RAY: usize = 32;
@@ -59,8 +106,9 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(args.threads as usize).build();
     let pool = pool.map_err(|e| format!("{} threads: {e}", args.threads))?;
     let start = Instant::now();
+    let (mode, of) = (args.mode, args.packet.of());
     let (hits, count) =
-        pool.install(|| if args.any { any(&scene, &rays, args.mode) } else { closest(&scene, &rays, args.mode) });
+        pool.install(|| if args.any { any(&scene, &rays, mode, of) } else { closest(&scene, &rays, mode, of) });
     let seconds = start.elapsed().as_secs_f64();
     file::write(&args.output, &hits)?;
     let rate = super::millions_per_second(rays.len(), seconds);
@@ -77,21 +125,15 @@ pub fn run(args: &Args) -> Result<(), Failure> {
 }
 
 /// Answers in the file's form, and how many rays hit.
-fn closest(scene: &Scene<'_>, rays: &[Ray], mode: Mode) -> (Vec<u8>, usize) {
+fn closest(scene: &Scene<'_>, rays: &[Ray], mode: Mode, of: PacketSize) -> (Vec<u8>, usize) {
     let mut hits = vec![None; rays.len()];
-    each(rays, &mut hits, "tracing", |rays, hits: &mut [Option<Hit>]| match mode {
-        Mode::Single => rays.iter().zip(hits).for_each(|(ray, hit)| *hit = scene.closest_hit(ray)),
-        Mode::Group => scene.closest_hits(rays, hits),
-    });
+    each(rays, &mut hits, "tracing", |rays, hits: &mut [Option<Hit>]| mode.closest(scene, of, rays, hits));
     (hits.iter().copied().flat_map(encode_hit).collect(), hits.iter().flatten().count())
 }
 
-fn any(scene: &Scene<'_>, rays: &[Ray], mode: Mode) -> (Vec<u8>, usize) {
+fn any(scene: &Scene<'_>, rays: &[Ray], mode: Mode, of: PacketSize) -> (Vec<u8>, usize) {
     let mut hits = vec![false; rays.len()];
-    each(rays, &mut hits, "tracing", |rays, hits: &mut [bool]| match mode {
-        Mode::Single => rays.iter().zip(hits).for_each(|(ray, hit)| *hit = scene.any_hit(ray)),
-        Mode::Group => scene.any_hits(rays, hits),
-    });
+    each(rays, &mut hits, "tracing", |rays, hits: &mut [bool]| mode.any(scene, of, rays, hits));
     (hits.iter().map(|&hit| u8::from(hit)).collect(), hits.iter().filter(|&&hit| hit).count())
 }
 

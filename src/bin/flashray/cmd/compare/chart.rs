@@ -1,6 +1,6 @@
 //! Bar plots as SVG.
 use super::page::escaped;
-use super::rays::KINDS;
+use crate::kinds::KINDS;
 use std::fmt::Write as _;
 
 /// A plot: for each row a bar for each series, or one bar of them all.

@@ -1,9 +1,10 @@
 //! Building, checking, counting and timing: what each structure costs.
 use super::super::info::Shape;
+use super::super::median;
 use super::super::trace::encode_hit;
-use super::rays::{KINDS, Rays, SHADOW};
 use super::{Args, Built};
 use crate::Failure;
+use crate::kinds::{KINDS, Rays, SHADOW};
 use flashray::blob::{Blob, Buffer, Section};
 use flashray::build::{Config, Mesh, Rule, to_vec};
 use flashray::walk::mailbox::Last8;
@@ -28,7 +29,7 @@ pub fn build_all(args: &Args, mesh: &Mesh<'_>, bar: &ProgressBar) -> Result<Vec<
         let rules: &[_] =
             if kind == Kind::List { &[(Rule::Sah, "")] } else { &[(Rule::Seed, "seed"), (Rule::Sah, "sah")] };
         for &(rule, rule_name) in rules {
-            let config = Config::new(kind).rule(rule).leaf(args.leaf);
+            let config = Config::new(kind).rule(rule).leaf(args.leaf).quality(args.quality.quality());
             let (mut seconds, mut blob) = (Vec::new(), Vec::new());
             // Small scenes build in less time than a clock is good for.
             while seconds.is_empty() || (seconds.len() < args.rounds as usize && seconds.iter().sum::<f64>() < 0.1) {
@@ -204,10 +205,4 @@ fn pass(scene: &Scene<'_>, rays: &[Ray], any: bool, group: usize) -> Option<f64>
     }
     let seconds = start.elapsed().as_secs_f64();
     (!rays.is_empty()).then(|| super::super::millions_per_second(rays.len(), seconds))
-}
-
-/// The middle one of some numbers, the lower of two.
-fn median(numbers: &mut [f64]) -> f64 {
-    numbers.sort_by(f64::total_cmp);
-    numbers.get(numbers.len().saturating_sub(1) / 2).copied().unwrap_or(0.0)
 }

@@ -4,16 +4,15 @@ mod measure;
 mod objects;
 mod page;
 mod picture;
-mod rays;
 mod slice;
 mod table;
 mod trail;
 
+use crate::kinds::{self, Input, Order, Rays};
 use crate::{Failure, file};
 use clap::ValueEnum;
 use flashray::blob::Buffer;
 use flashray::{Kind, Scene};
-use rays::{Input, Rays};
 use serde_json::{Map, Value, json};
 use slice::Plane;
 use std::path::{Path, PathBuf};
@@ -36,6 +35,9 @@ pub struct Args {
     /// Most primitives of a leaf, in structures and by rules that have such a limit: see `build`
     #[arg(long, default_value_t = 8, value_parser = clap::value_parser!(u32).range(1..=15))]
     leaf: u32,
+    /// How much time building by the surface-area heuristic may take: see `build`
+    #[arg(long, value_enum, default_value = "default")]
+    quality: super::build::Effort,
     /// The axis that the plane of the pictures is square to
     #[arg(long, value_enum, default_value = "z")]
     slice: Axis,
@@ -97,7 +99,7 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     }
     let find = |kind| scenes.iter().rfind(|scene| scene.kind() == kind).ok_or("a structure is missing");
     let (list, bvh) = (find(Kind::List)?, find(Kind::Bvh)?);
-    let rays = Rays::new(&input, bvh, args.rays as usize);
+    let rays = Rays::new(&input.stage, bvh, args.rays as usize, Order::Rows);
     let truth = measure::Truth::new(list, bvh, &rays);
     for (row, scene) in rows.iter_mut().zip(&scenes) {
         row["wrong"] = json!(truth.wrong(scene, &rays));
@@ -118,7 +120,7 @@ pub fn run(args: &Args) -> Result<(), Failure> {
 
 fn summary(args: &Args, rays: &Rays, listed: usize, rows: &[Value]) -> Value {
     let counts: Map<String, Value> =
-        rays::KINDS.iter().zip(&rays.kinds).map(|(kind, rays)| ((*kind).to_owned(), json!(rays.len()))).collect();
+        kinds::KINDS.iter().zip(&rays.kinds).map(|(kind, rays)| ((*kind).to_owned(), json!(rays.len()))).collect();
     let all: usize = rays.kinds.iter().map(Vec::len).sum();
     let list = rows.first().map_or(0, |row| row["limits"]["steps"].as_u64().unwrap_or(0));
     json!({

@@ -1,8 +1,9 @@
 //! The page: tables, plots and slice pictures in one file that needs no other.
 use super::chart::Chart;
 use super::picture::Picture;
-use super::rays::KINDS;
-use super::table::{self, Column, TABLES};
+use super::table::{self, TABLES};
+use crate::columns::Column;
+use crate::kinds::KINDS;
 use serde_json::Value;
 use std::fmt::Write as _;
 
@@ -63,7 +64,7 @@ pub fn write(facts: &Value, pictures: &[(String, Picture)]) -> String {
 
 fn html_table(title: &str, rows: &[Value], columns: &[Column]) -> String {
     let mut groups = String::new();
-    for group in table::groups(columns) {
+    for group in crate::columns::groups(columns) {
         let _ = write!(groups, "<th class=\"g\" colspan=\"{}\">{}</th>", group.len(), group[0].0);
     }
     let heads: String = columns.iter().map(|column| ["<th>", column.1, "</th>"].concat()).collect();

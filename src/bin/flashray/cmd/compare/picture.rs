@@ -43,7 +43,7 @@ pub struct Picture {
 }
 
 /// What a structure is, for those who never met it.
-const PLAIN: [(Kind, &str); 8] = [
+const PLAIN: [(Kind, &str); 9] = [
     (Kind::List, "No structure: every ray is tested against every primitive."),
     (Kind::Bvh, "A tree of boxes, each just around its primitives: boxes overlap, and leave gaps."),
     (Kind::Grid, "Space in equal cells. Each lists the primitives that reach into it."),
@@ -52,6 +52,7 @@ const PLAIN: [(Kind, &str); 8] = [
     (Kind::Octree, "A cube in eight equal cubes, each crowded one again: every cut is in the middle."),
     (Kind::Bsp, "A box cut in two by a plane, each crowded part again: always two, side by side."),
     (Kind::Sphere, "A tree of spheres, each around its primitives: spheres overlap."),
+    (Kind::Wide, "The tree of boxes with up to eight children a node, which are tested at once."),
 ];
 
 /// Draws a structure's slice.

@@ -77,8 +77,8 @@ fn key(b: &Aabb) -> Key {
 /// For each node or cell visited the boxes in which the visit looks for primitives.
 fn searched(scene: &Scene<'_>, visits: &[Aabb]) -> HashMap<Key, Vec<Aabb>> {
     let visited: HashSet<Key> = visits.iter().map(key).collect();
-    if matches!(scene.kind(), Kind::Bvh | Kind::Sphere) {
-        return searched_in_pairs(scene, &visited);
+    if matches!(scene.kind(), Kind::Bvh | Kind::Sphere | Kind::Wide) {
+        return searched_in_nodes(scene, &visited);
     }
     // A ray meets few of the cells, of which a fine grid has tens of millions: no other is kept.
     let mut searched: HashMap<Key, Vec<Aabb>> = HashMap::new();
@@ -91,22 +91,20 @@ fn searched(scene: &Scene<'_>, visits: &[Aabb]) -> HashMap<Key, Vec<Aabb>> {
     searched
 }
 
-/// The same for a hierarchy, where a visit to a node is told by the box around the node's two parts, and tests what
+/// The same for a hierarchy, where a visit to a node is told by the box around the node's parts, and tests what
 /// leaves there are among them.
-fn searched_in_pairs(scene: &Scene<'_>, visited: &HashSet<Key>) -> HashMap<Key, Vec<Aabb>> {
+fn searched_in_nodes(scene: &Scene<'_>, visited: &HashSet<Key>) -> HashMap<Key, Vec<Aabb>> {
     let mut parts = Vec::new();
     scene.parts(|part| parts.push(part));
     let mut searched = HashMap::new();
     for (i, part) in parts.iter().enumerate().filter(|(_, part)| part.listed.is_none()) {
         // A node comes before what is below it.
-        let below = parts[i + 1..].iter().filter(|other| other.level == part.level + 1).take(2);
-        let pair: Vec<_> = below.collect();
-        if let [first, second] = pair[..] {
-            let key = key(&first.bounds.join(&second.bounds));
-            if visited.contains(&key) {
-                let leaves = pair.iter().filter(|part| part.listed.is_some()).map(|part| part.bounds);
-                searched.insert(key, leaves.collect());
-            }
+        let below = parts[i + 1..].iter().take_while(|other| other.level > part.level);
+        let own: Vec<_> = below.filter(|other| other.level == part.level + 1).collect();
+        let key = key(&own.iter().fold(Aabb::EMPTY, |all, part| all.join(&part.bounds)));
+        if visited.contains(&key) {
+            let leaves = own.iter().filter(|part| part.listed.is_some()).map(|part| part.bounds);
+            searched.insert(key, leaves.collect());
         }
     }
     searched

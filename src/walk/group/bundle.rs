@@ -1,0 +1,565 @@
+//! The rays of a group as rows of eight numbers, and boxes against them.
+//!
+//! Where a direction is negative, the axis is mirrored: planes, origin and direction change their signs. That is exact, so
+//! the distances are the same numbers, and every direction is positive: the least plane comes first.
+use super::{AT_ONCE, CHUNKS, RAYS, each, low_byte};
+use crate::geom::ray::{Axis, ORIGIN_PAD, PAD, Prepared, SMALL};
+use crate::geom::vec::{least, most};
+use crate::geom::{Aabb, Ray};
+use crate::num::index;
+use crate::walk::lanes::Lanes;
+
+/// A number of each ray.
+pub(super) type Each = [[f32; AT_ONCE]; CHUNKS];
+/// That number of no ray.
+const NONE: Each = [[0.0; AT_ONCE]; CHUNKS];
+
+/// The rays of a group.
+pub(super) struct Bundle {
+    /// As in [`Prepared`], mirrored.
+    near_origin: [Each; 3],
+    far_origin: [Each; 3],
+    inv: [Each; 3],
+    /// 1, or -1 where an axis is mirrored.
+    sign: [Each; 3],
+    /// As in [`Prepared`].
+    pub(super) turned: [Each; 3],
+    pub(super) shear: [Each; 2],
+    pub(super) inv_kz: Each,
+    pub(super) t_min: Each,
+    /// Distances to beat.
+    pub(super) t: Each,
+    /// Which rays are steepest along each axis.
+    pub(super) steepest: [u64; 3],
+    /// The signs that all rays of a chunk have, if they have the same.
+    common: [Option<[bool; 3]>; CHUNKS],
+    /// Whether a distance to beat has changed since the extremes were taken.
+    is_nearer: bool,
+    /// The extremes of the group, if the signs of all are alike.
+    range: Option<Range>,
+}
+
+/// The extremes of a group whose signs are alike, mirrored.
+#[derive(Clone, Copy)]
+struct Range {
+    negative: [bool; 3],
+    /// Of the origins that nearer planes see.
+    near_origin: [(f32, f32); 3],
+    far_origin: [(f32, f32); 3],
+    inv: [(f32, f32); 3],
+    t_min: (f32, f32),
+    /// Of the distances to beat.
+    t: (f32, f32),
+}
+
+/// What an interval says of a box.
+enum Met {
+    /// No ray meets it.
+    None,
+    /// Each may.
+    All,
+    /// Who knows.
+    Some,
+}
+
+impl Bundle {
+    pub(super) fn new() -> Self {
+        let three = [NONE; 3];
+        Self {
+            near_origin: three,
+            far_origin: three,
+            inv: three,
+            sign: three,
+            turned: three,
+            shear: [NONE; 2],
+            inv_kz: NONE,
+            t_min: NONE,
+            t: NONE,
+            steepest: [0; 3],
+            common: [None; CHUNKS],
+            is_nearer: false,
+            range: None,
+        }
+    }
+
+    /// Prepares the rays of a chunk, in the steps of [`Prepared::new`]. Returns which of those in `live` make sense and have
+    /// no tiny direction.
+    #[inline(always)]
+    pub(super) fn set<L: Lanes<8>>(
+        &mut self,
+        chunk: usize,
+        rays: [&Ray; AT_ONCE],
+        live: u32,
+        bounds: &Aabb,
+        local: &[f32; 3],
+    ) -> u32 {
+        let chunk = chunk % CHUNKS;
+        let given = [of::<L>(&rays, |r| r.origin[0]), of::<L>(&rays, |r| r.origin[1]), of::<L>(&rays, |r| r.origin[2])];
+        let zero = L::splat(0.0);
+        let dir = [of::<L>(&rays, |r| r.dir[0]), of::<L>(&rays, |r| r.dir[1]), of::<L>(&rays, |r| r.dir[2])];
+        let dir = [dir[0] + zero, dir[1] + zero, dir[2] + zero];
+        let (t_min, t_max) = (of::<L>(&rays, |r| r.t_min), of::<L>(&rays, |r| r.t_max));
+        let sizes = [dir[0].abs(), dir[1].abs(), dir[2].abs()];
+        let mut good = live & t_min.le(t_max) & L::splat(SMALL).le(sizes[2].most(sizes[1].most(sizes[0])));
+        let origin = [given[0] - L::splat(local[0]), given[1] - L::splat(local[1]), given[2] - L::splat(local[2])];
+        let one = L::splat(1.0);
+        let inv = [one / dir[0], one / dir[1], one / dir[2]];
+        let reach = [reach(origin[0], bounds, 0), reach(origin[1], bounds, 1), reach(origin[2], bounds, 2)];
+        let extent = reach[2].most(reach[1].most(reach[0])) * L::splat(PAD);
+        let mut common = Some([false; 3]);
+        for k in 0..3 {
+            let infinite = L::splat(f32::INFINITY);
+            good &= given[k].abs().lt(infinite) & sizes[k].lt(infinite);
+            let pad =
+                (extent + (origin[k].abs() * L::splat(ORIGIN_PAD) + L::splat(f32::MIN_POSITIVE))).signed_as(dir[k]);
+            let sign = one.signed_as(dir[k]);
+            self.near_origin[k][chunk] = ((origin[k] + pad) * sign).store();
+            self.far_origin[k][chunk] = ((origin[k] - pad) * sign).store();
+            self.inv[k][chunk] = (inv[k] * sign).store();
+            self.sign[k][chunk] = sign.store();
+        }
+        for k in 0..3 {
+            let negative = dir[k].lt(zero) & good;
+            common = common.filter(|_| negative == 0 || negative == good);
+            if let Some(signs) = &mut common {
+                signs[k] = negative != 0;
+            }
+        }
+        self.common[chunk] = common;
+        self.t_min[chunk] = t_min.store();
+        self.t[chunk] = t_max.store();
+        let third = sizes[1].most(sizes[0]).lt(sizes[2]) & good;
+        let second = sizes[0].lt(sizes[1]) & good & !third;
+        for (k, lanes) in [good & !second & !third, second, third].into_iter().enumerate() {
+            self.steepest[k] |= u64::from(lanes) << (chunk * AT_ONCE);
+        }
+        if third == good {
+            self.turn(chunk, Axis::Z, &origin, &dir, &inv);
+        } else if second == good {
+            self.turn(chunk, Axis::Y, &origin, &dir, &inv);
+        } else {
+            self.turn(chunk, Axis::X, &origin, &dir, &inv);
+            if second | third != 0 {
+                self.turn_some(chunk, Axis::Y, second, &origin, &dir, &inv);
+                self.turn_some(chunk, Axis::Z, third, &origin, &dir, &inv);
+            }
+        }
+        good
+    }
+
+    /// Puts a ray into its place. They come in order, from 0.
+    #[inline(always)]
+    pub(super) fn put(&mut self, i: usize, ray: &Prepared) {
+        let (chunk, lane) = (i / AT_ONCE % CHUNKS, i % AT_ONCE);
+        for k in 0..3 {
+            let sign = if ray.negative[k] { -1.0 } else { 1.0 };
+            self.near_origin[k][chunk][lane] = ray.near_origin[k] * sign;
+            self.far_origin[k][chunk][lane] = ray.far_origin[k] * sign;
+            self.inv[k][chunk][lane] = ray.inv[k] * sign;
+            self.sign[k][chunk][lane] = sign;
+        }
+        self.t_min[chunk][lane] = ray.t_min;
+        self.t[chunk][lane] = ray.t_max;
+        let signs = Some(ray.negative);
+        if lane == 0 {
+            self.common[chunk] = signs;
+        } else if self.common[chunk] != signs {
+            self.common[chunk] = None;
+        }
+    }
+
+    /// What triangle tests read of a chunk whose rays are steepest along `kz`.
+    #[inline(always)]
+    fn turn<L: Lanes<8>>(&mut self, chunk: usize, kz: Axis, origin: &[L; 3], dir: &[L; 3], inv: &[L; 3]) {
+        let (chunk, (kx, ky)) = (chunk % CHUNKS, kz.others());
+        for (row, k) in self.turned.iter_mut().zip([kx, ky, kz]) {
+            row[chunk] = origin[k.at()].store();
+        }
+        let inv_kz = inv[kz.at()];
+        self.inv_kz[chunk] = inv_kz.store();
+        self.shear[0][chunk] = (dir[kx.at()] * inv_kz).store();
+        self.shear[1][chunk] = (dir[ky.at()] * inv_kz).store();
+    }
+
+    /// The same for some lanes.
+    #[inline(always)]
+    fn turn_some<L: Lanes<8>>(
+        &mut self,
+        chunk: usize,
+        kz: Axis,
+        lanes: u32,
+        origin: &[L; 3],
+        dir: &[L; 3],
+        inv: &[L; 3],
+    ) {
+        let (chunk, (kx, ky)) = (chunk % CHUNKS, kz.others());
+        let inv_kz = inv[kz.at()];
+        let (x, y) = (dir[kx.at()] * inv_kz, dir[ky.at()] * inv_kz);
+        let turned = [origin[kx.at()].store(), origin[ky.at()].store(), origin[kz.at()].store()];
+        let rows = [turned[0], turned[1], turned[2], inv_kz.store(), x.store(), y.store()];
+        for i in each(u64::from(lanes)) {
+            let i = i % AT_ONCE;
+            for k in 0..3 {
+                self.turned[k][chunk][i] = rows[k][i];
+            }
+            self.inv_kz[chunk][i] = rows[3][i];
+            self.shear[0][chunk][i] = rows[4][i];
+            self.shear[1][chunk][i] = rows[5][i];
+        }
+    }
+
+    /// Takes the extremes of the first `len` rays, if the signs of all are alike. Returns where the rays go, about.
+    #[inline(always)]
+    pub(super) fn survey<L: Lanes<8>>(&mut self, len: usize) -> [f32; 3] {
+        let (common, chunks) = (self.common, len.div_ceil(AT_ONCE));
+        let Some(Some(negative)) =
+            common.first().copied().filter(|&first| common.iter().take(chunks).all(|&c| c == first))
+        else {
+            self.range = None;
+            let sum = |k: usize| self.sign[k % 3].as_flattened().iter().take(len).fold(0.0, |sum, s| sum + s);
+            return [sum(0), sum(1), sum(2)];
+        };
+        self.range = Some(Range {
+            negative,
+            near_origin: ends3::<L>(&self.near_origin, len),
+            far_origin: ends3::<L>(&self.far_origin, len),
+            inv: ends3::<L>(&self.inv, len),
+            t_min: ends::<L>(&self.t_min, len),
+            t: ends::<L>(&self.t, len),
+        });
+        let along = |k: usize| self.sign[k % 3][0][0] / self.inv[k % 3][0][0];
+        [along(0), along(1), along(2)]
+    }
+
+    /// Takes the distances to beat of the first `len` rays anew into the extremes, if any has changed.
+    #[inline(always)]
+    pub(super) fn shrink<L: Lanes<8>>(&mut self, len: usize) {
+        if let Some(range) = self.range.as_mut().filter(|_| self.is_nearer) {
+            range.t = ends::<L>(&self.t, len);
+            self.is_nearer = false;
+        }
+    }
+
+    /// A nearer distance to beat.
+    #[inline(always)]
+    pub(super) fn set_t(&mut self, i: usize, t: f32) {
+        self.t[i / AT_ONCE % CHUNKS][i % AT_ONCE] = t;
+        self.is_nearer = true;
+    }
+
+    /// Which of the rays may meet a box before their distances to beat: where the signs of all are alike, those from the
+    /// first to the last of which do.
+    #[inline(always)]
+    pub(super) fn may_meet<L: Lanes<8>>(&self, b: &Aabb, rays: u64) -> u64 {
+        let Some(range) = &self.range else { return self.met::<L>(b, rays) };
+        match range.met(b) {
+            Met::None => return 0,
+            Met::All => return rays,
+            Met::Some => {}
+        }
+        let mut rays = rays;
+        if !L::AT_ONCE {
+            let ends = in_order(b, range.negative);
+            while rays != 0 && !self.meets(index(rays.trailing_zeros()), &ends) {
+                rays &= rays - 1;
+            }
+            while rays & (rays.wrapping_sub(1)) != 0 {
+                let last = rays.checked_ilog2().unwrap_or(0);
+                if self.meets(index(last), &ends) {
+                    break;
+                }
+                rays &= !(1 << last);
+            }
+            return rays;
+        }
+        let planes = Planes::<L>::new(b, range.negative);
+        while rays != 0 {
+            let chunk = index(rays.trailing_zeros()) / AT_ONCE;
+            let met = self.cut(chunk, &planes) & low_byte(rays >> (chunk * AT_ONCE));
+            let below = u64::from(met) << (chunk * AT_ONCE);
+            rays = rays & !(255 << (chunk * AT_ONCE)) | below;
+            if met != 0 {
+                break;
+            }
+        }
+        rays
+    }
+
+    /// Which of the rays meet a box before their distances to beat.
+    #[inline(always)]
+    pub(super) fn met<L: Lanes<8>>(&self, b: &Aabb, rays: u64) -> u64 {
+        let mut met = 0;
+        if !L::AT_ONCE {
+            for chunk in 0..CHUNKS {
+                let lanes = rays & 255 << (chunk * AT_ONCE);
+                if lanes == 0 {
+                    continue;
+                }
+                let common = self.common[chunk].map(|negative| in_order(b, negative));
+                for i in each(lanes) {
+                    let ends = common.unwrap_or_else(|| in_order(b, self.negative(i)));
+                    met |= u64::from(self.meets(i, &ends)) << i;
+                }
+            }
+            return met;
+        }
+        if let Some(range) = &self.range {
+            let planes = Planes::<L>::new(b, range.negative);
+            for chunk in 0..CHUNKS {
+                if low_byte(rays >> (chunk * AT_ONCE)) != 0 {
+                    met |= u64::from(self.cut(chunk, &planes)) << (chunk * AT_ONCE);
+                }
+            }
+        } else {
+            for chunk in 0..CHUNKS {
+                if low_byte(rays >> (chunk * AT_ONCE)) != 0 {
+                    met |= u64::from(self.cut(chunk, &self.planes::<L>(chunk, b))) << (chunk * AT_ONCE);
+                }
+            }
+        }
+        met & rays
+    }
+
+    /// Whether a ray meets a box whose planes are in its order: as [`Bundle::met`].
+    #[inline(always)]
+    fn meets(&self, i: usize, (first, last): &([f32; 3], [f32; 3])) -> bool {
+        let at = |each: &Each| each[i / AT_ONCE % CHUNKS][i % AT_ONCE];
+        let (mut near, mut far) = (at(&self.t_min), at(&self.t));
+        let mut axis = |k: usize| {
+            let inv = at(&self.inv[k]);
+            near = most((first[k] - at(&self.near_origin[k])) * inv, near);
+            far = least((last[k] - at(&self.far_origin[k])) * inv, far);
+        };
+        axis(0);
+        axis(1);
+        axis(2);
+        near <= far
+    }
+
+    /// Whether a ray meets a box.
+    #[inline(always)]
+    pub(super) fn meets_box(&self, i: usize, b: &Aabb) -> bool {
+        self.meets(i, &in_order(b, self.negative(i)))
+    }
+
+    /// The signs of a ray.
+    #[inline(always)]
+    fn negative(&self, i: usize) -> [bool; 3] {
+        let is = |k: usize| self.sign[k % 3][i / AT_ONCE % CHUNKS][i % AT_ONCE] < 0.0;
+        [is(0), is(1), is(2)]
+    }
+
+    /// The planes of a box as the rays of a chunk see them.
+    #[inline(always)]
+    fn planes<L: Lanes<8>>(&self, chunk: usize, b: &Aabb) -> Planes<L> {
+        let chunk = chunk % CHUNKS;
+        if let Some(negative) = self.common[chunk] {
+            return Planes::new(b, negative);
+        }
+        let zero = L::splat(0.0);
+        let (mut first, mut last) = ([zero; 3], [zero; 3]);
+        for k in 0..3 {
+            let sign = L::load(&self.sign[k][chunk]);
+            let (min, max) = (L::splat(b.min[k]) * sign, L::splat(b.max[k]) * sign);
+            (first[k], last[k]) = (min.least(max), min.most(max));
+        }
+        Planes { first, last }
+    }
+
+    /// [`Prepared::slab`], cut to the ray's interval: the same steps in the same order. A NaN constrains nothing.
+    #[inline(always)]
+    fn cut<L: Lanes<8>>(&self, chunk: usize, planes: &Planes<L>) -> u32 {
+        let (mut t0, mut t1) = (row::<L>(&self.t_min, chunk), row::<L>(&self.t, chunk));
+        (t0, t1) = self.axis(chunk, 0, planes, t0, t1);
+        (t0, t1) = self.axis(chunk, 1, planes, t0, t1);
+        (t0, t1) = self.axis(chunk, 2, planes, t0, t1);
+        t0.le(t1)
+    }
+
+    /// What one axis leaves of an interval.
+    #[inline(always)]
+    fn axis<L: Lanes<8>>(&self, chunk: usize, k: usize, planes: &Planes<L>, near: L, far: L) -> (L, L) {
+        let (k, inv) = (k % 3, row::<L>(&self.inv[k % 3], chunk));
+        (
+            ((planes.first[k] - row(&self.near_origin[k], chunk)) * inv).most(near),
+            ((planes.last[k] - row(&self.far_origin[k], chunk)) * inv).least(far),
+        )
+    }
+
+    /// [`Prepared::slab`] of the rays of a chunk.
+    #[inline(always)]
+    pub(super) fn slab<L: Lanes<8>>(&self, chunk: usize, b: &Aabb) -> (L, L) {
+        let planes = self.planes::<L>(chunk, b);
+        let (mut near, mut far) = (L::splat(f32::NEG_INFINITY), L::splat(f32::INFINITY));
+        (near, far) = self.axis(chunk, 0, &planes, near, far);
+        (near, far) = self.axis(chunk, 1, &planes, near, far);
+        self.axis(chunk, 2, &planes, near, far)
+    }
+
+    /// Whether the signs of all are alike.
+    #[inline(always)]
+    pub(super) fn is_alike(&self) -> bool {
+        self.range.is_some()
+    }
+
+    /// A ray by itself.
+    #[inline(always)]
+    pub(super) fn ray(&self, i: usize) -> Prepared {
+        let at = |each: &Each| each[i / AT_ONCE % CHUNKS][i % AT_ONCE];
+        let three = |of: &[Each; 3]| [at(&of[0]), at(&of[1]), at(&of[2])];
+        let (sign, near, far, inv) =
+            (three(&self.sign), three(&self.near_origin), three(&self.far_origin), three(&self.inv));
+        let kz = match () {
+            () if self.steepest[2] >> i & 1 == 1 => Axis::Z,
+            () if self.steepest[1] >> i & 1 == 1 => Axis::Y,
+            () => Axis::X,
+        };
+        let (kx, ky) = kz.others();
+        let turned = three(&self.turned);
+        let [x, y, z] = turned;
+        Prepared {
+            origin: match kz {
+                Axis::X => [z, x, y],
+                Axis::Y => [y, z, x],
+                Axis::Z => [x, y, z],
+            },
+            near_origin: [near[0] * sign[0], near[1] * sign[1], near[2] * sign[2]],
+            far_origin: [far[0] * sign[0], far[1] * sign[1], far[2] * sign[2]],
+            inv: [inv[0] * sign[0], inv[1] * sign[1], inv[2] * sign[2]],
+            negative: sign.map(|s| s < 0.0),
+            kz,
+            kx,
+            ky,
+            turned,
+            inv_kz: at(&self.inv_kz),
+            shear: [at(&self.shear[0]), at(&self.shear[1])],
+            t_min: at(&self.t_min),
+            t_max: at(&self.t),
+            unit: 1.0,
+        }
+    }
+}
+
+impl Range {
+    /// What the extremes say of a box.
+    #[inline(always)]
+    fn met(&self, b: &Aabb) -> Met {
+        // Least and greatest place at which any ray enters, and at which any leaves.
+        let (mut near, mut far) = (self.t_min, self.t);
+        let (first, last) = in_order(b, self.negative);
+        let mut axis = |k: usize| {
+            let (first, last) = (first[k], last[k]);
+            if !(self.inv[k].1 <= f32::MAX) {
+                // Along a plane: what is infinite or NaN is for the rays themselves to say.
+                near.1 = f32::INFINITY;
+                return;
+            }
+            let (low, high) = times((first - self.near_origin[k].1, first - self.near_origin[k].0), self.inv[k]);
+            near = (most(low, near.0), most(high, near.1));
+            let (low, high) = times((last - self.far_origin[k].1, last - self.far_origin[k].0), self.inv[k]);
+            far = (least(low, far.0), least(high, far.1));
+        };
+        axis(0);
+        axis(1);
+        axis(2);
+        match () {
+            () if near.0 > far.1 => Met::None,
+            () if near.1 <= far.0 => Met::All,
+            () => Met::Some,
+        }
+    }
+}
+
+/// A number of each ray of a chunk. Functions, not closures, all of these: what is called out of line is not compiled
+/// for the instruction set.
+#[inline(always)]
+pub(super) fn row<L: Lanes<8>>(each: &Each, chunk: usize) -> L {
+    L::load(&each[chunk % CHUNKS])
+}
+
+/// A number of each of eight rays.
+#[inline(always)]
+fn of<L: Lanes<8>>([a, b, c, d, e, f, g, h]: &[&Ray; AT_ONCE], of: impl Fn(&Ray) -> f32) -> L {
+    L::load(&[of(a), of(b), of(c), of(d), of(e), of(f), of(g), of(h)])
+}
+
+/// How far it is to the far side of the scene along an axis.
+#[inline(always)]
+fn reach<L: Lanes<8>>(origin: L, bounds: &Aabb, k: usize) -> L {
+    (L::splat(bounds.max[k % 3]) - origin).abs().most((L::splat(bounds.min[k % 3]) - origin).abs())
+}
+
+/// Least and greatest of the first `len` numbers, and perhaps of those that follow in the last chunk.
+#[inline(always)]
+fn ends<L: Lanes<8>>(each: &Each, len: usize) -> (f32, f32) {
+    let chunks = len.div_ceil(AT_ONCE);
+    if !L::AT_ONCE {
+        // By lanes here too, so that no step waits for the one before.
+        let (mut low, mut high) = ([f32::INFINITY; AT_ONCE], [f32::NEG_INFINITY; AT_ONCE]);
+        for (chunk, row) in each.iter().enumerate().take(chunks) {
+            let left = len.saturating_sub(chunk.saturating_mul(AT_ONCE));
+            for ((low, high), &x) in low.iter_mut().zip(&mut high).zip(row).take(left) {
+                (*low, *high) = (least(x, *low), most(x, *high));
+            }
+        }
+        return (low.into_iter().fold(f32::INFINITY, least), high.into_iter().fold(f32::NEG_INFINITY, most));
+    }
+    let (mut low, mut high) = (L::splat(f32::INFINITY), L::splat(f32::NEG_INFINITY));
+    for row in each.iter().take(chunks) {
+        (low, high) = (L::load(row).least(low), L::load(row).most(high));
+    }
+    fold(low, high)
+}
+
+/// The same on each axis.
+#[inline(always)]
+fn ends3<L: Lanes<8>>(of: &[Each; 3], len: usize) -> [(f32, f32); 3] {
+    [ends::<L>(&of[0], len), ends::<L>(&of[1], len), ends::<L>(&of[2], len)]
+}
+
+/// The least lane of one and the greatest of another.
+#[inline(always)]
+fn fold<L: Lanes<8>>(low: L, high: L) -> (f32, f32) {
+    let ([a, b, c, d, e, f, g, h], high) = (low.store(), high.store());
+    let low = least(least(least(a, b), least(c, d)), least(least(e, f), least(g, h)));
+    let [a, b, c, d, e, f, g, h] = high;
+    (low, most(most(most(a, b), most(c, d)), most(most(e, f), most(g, h))))
+}
+
+/// An interval times one that is positive. Each rounds monotonically, so it holds every product of two of their numbers.
+#[inline(always)]
+fn times((low, high): (f32, f32), (least_inv, most_inv): (f32, f32)) -> (f32, f32) {
+    (low * if low < 0.0 { most_inv } else { least_inv }, high * if high < 0.0 { least_inv } else { most_inv })
+}
+
+/// The planes of a box that rays of these signs meet first, and those that they meet last; mirrored.
+#[inline(always)]
+fn in_order(b: &Aabb, negative: [bool; 3]) -> ([f32; 3], [f32; 3]) {
+    let (mut first, mut last) = (b.min, b.max);
+    for k in 0..3 {
+        if negative[k] {
+            (first[k], last[k]) = (-b.max[k], -b.min[k]);
+        }
+    }
+    (first, last)
+}
+
+/// Planes of a box in the order of the rays, mirrored as those are.
+struct Planes<L> {
+    first: [L; 3],
+    last: [L; 3],
+}
+
+impl<L: Lanes<8>> Planes<L> {
+    #[inline(always)]
+    fn new(b: &Aabb, negative: [bool; 3]) -> Self {
+        let zero = L::splat(0.0);
+        let ((first, last), mut planes) = (in_order(b, negative), Self { first: [zero; 3], last: [zero; 3] });
+        for k in 0..3 {
+            (planes.first[k], planes.last[k]) = (L::splat(first[k]), L::splat(last[k]));
+        }
+        planes
+    }
+}
+
+const _: () = assert!(RAYS == AT_ONCE * CHUNKS);

@@ -1,0 +1,131 @@
+//! Many rays a call: how they are answered.
+use super::group::{AT_ONCE, Group, RAYS};
+use super::packet::Packets;
+use super::{Query, View};
+use crate::blob::prims::Prims;
+use crate::geom::vec::{size, sub};
+use crate::geom::{Hit, Ray};
+use crate::walk::heading::{Heading, PacketSize};
+use crate::walk::lanes::{Lanes, Work};
+use crate::walk::packet::Place;
+use crate::walk::prepare::Given;
+use crate::walk::{Fuel, Isa};
+
+/// Of eight rays so many must have one heading.
+const MOST: usize = 6;
+/// From a ray to one an eighth of the group on, so many steps of seven may be far.
+const FAR_STEPS: usize = 1;
+/// A step in place is far from this share of the scene on, and one in direction from this share of its largest part.
+const FAR: f32 = 0.04;
+
+/// What is given for a ray.
+pub(crate) trait Answer {
+    /// From the best hit.
+    fn new(hit: Option<Hit>) -> Self;
+}
+
+impl Answer for Option<Hit> {
+    #[inline(always)]
+    fn new(hit: Option<Hit>) -> Self {
+        hit
+    }
+}
+
+impl Answer for bool {
+    #[inline(always)]
+    fn new(hit: Option<Hit>) -> Self {
+        hit.is_some()
+    }
+}
+
+/// A query whose answer goes to its place within the walk: handed back it would be moved as a whole right after it was
+/// written number by number, and waited for.
+struct Placed<'r, 'q, 'a, A, const ANY: bool> {
+    query: Query<'q, 'a, Fuel, ANY>,
+    answer: &'r mut A,
+}
+
+impl<A: Answer, const ANY: bool> Work for Placed<'_, '_, '_, A, ANY> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<L8: Lanes<8>, L4: Lanes<4>>(self) {
+        *self.answer = A::new(self.query.run::<L8, L4>().unwrap_or(None));
+    }
+}
+
+/// Where and how rays are answered.
+#[derive(Clone, Copy)]
+pub(crate) struct Many<'q, 'a> {
+    pub view: &'q View<'a>,
+    pub prims: &'q Prims<'a>,
+    pub place: Place<'q>,
+    pub fuel: u32,
+    pub isa: Isa,
+}
+
+impl Many<'_, '_> {
+    /// Answers ray by ray or in groups, as it suits the rays. `answers` are as many as `rays`.
+    // Each form is compiled by itself: in one function with groups, rays alone were 8 % slower.
+    pub(crate) fn groups<A: Answer, const ANY: bool>(self, rays: &[Ray], answers: &mut [A]) {
+        for (rays, answers) in rays.chunks(RAYS).zip(answers.chunks_mut(RAYS)) {
+            let mut alone = u64::MAX;
+            if !self.prims.blocks.is_empty()
+                && let Some(heading) = self.shared(rays)
+            {
+                alone = self.isa.run(Group::<_, ANY> { many: self, rays, answers, heading });
+            }
+            self.alone::<A, ANY>(alone, rays, answers);
+        }
+    }
+
+    /// Answers in packets of a given size, ray by ray where headings differ. `answers` are as many as `rays`.
+    pub(crate) fn packets<A: Answer, const ANY: bool>(self, of: PacketSize, rays: &[Ray], answers: &mut [A]) {
+        for (rays, answers) in rays.chunks(of.rays()).zip(answers.chunks_mut(of.rays())) {
+            let mut alone = u64::MAX;
+            if !self.prims.blocks.is_empty() {
+                alone = self.isa.run(Packets::<_, ANY> { many: self, of, rays, answers });
+            }
+            self.alone::<A, ANY>(alone, rays, answers);
+        }
+    }
+
+    /// Some of up to 64 rays, one after another.
+    #[inline(always)]
+    fn alone<A: Answer, const ANY: bool>(self, which: u64, rays: &[Ray], answers: &mut [A]) {
+        let Self { view, prims, place: Place { bounds, local }, fuel, isa } = self;
+        for (i, (ray, answer)) in rays.iter().zip(answers).enumerate() {
+            if which >> i & 1 == 1 {
+                let query = Query::<_, ANY> { view, prims, ray: Given::new(ray), bounds, local, meter: Fuel(fuel) };
+                isa.run(Placed { query, answer });
+            }
+        }
+    }
+
+    /// The heading that most rays have, as far as eight of them tell; none if those differ, or if rays are far apart.
+    ///
+    /// Most rays that have nothing in common are told by the headings; so those come first.
+    #[inline(always)]
+    fn shared(self, rays: &[Ray]) -> Option<Heading> {
+        let last = rays.len().saturating_sub(1);
+        if last < AT_ONCE {
+            return None;
+        }
+        let sample = |i: usize| rays.get(i * last / (AT_ONCE - 1));
+        let heading = |i: usize| sample(i).and_then(Heading::new);
+        let (first, second) = (heading(0), heading(4));
+        let common = if second == heading(3) { second } else { first }?;
+        if (0..AT_ONCE).filter(|&i| heading(i) == Some(common)).count() < MOST {
+            return None;
+        }
+        let bounds = self.place.bounds;
+        let far = size(sub(bounds.max, bounds.min)) * FAR;
+        let is_far = |i: &usize| {
+            let (Some(a), Some(b)) = (sample(*i), sample(*i + 1)) else { return true };
+            let (to_a, to_b) = (size(b.dir), size(a.dir));
+            let turn = [0, 1, 2].map(|k| a.dir[k] * to_a - b.dir[k] * to_b);
+            size(sub(a.origin, b.origin)) > far || size(turn) > to_a * to_b * FAR
+        };
+        ((0..AT_ONCE - 1).filter(is_far).count() <= FAR_STEPS).then_some(common)
+    }
+}

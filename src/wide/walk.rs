@@ -1,0 +1,330 @@
+//! The walk: all children of a node at once, the nearest first.
+//!
+//! The interval of a child is that of [`Prepared::slab`], cut to the ray's: the same steps on each lane, but that extremes are
+//! taken in another order, which changes nothing. Where one child is met, and that is most often so, the walk goes on with it
+//! and nothing else is done; of several the nearest is next, and the others wait, the nearer above the farther.
+use super::{Node, STACK, View, WIDTH, slots};
+use crate::blob::prims::Prims;
+use crate::bvh::tree::root;
+use crate::bvh::walk::Rows;
+use crate::bvh::{Child, Face};
+use crate::geom::ray::Prepared;
+use crate::geom::{Aabb, Hit};
+use crate::num::index;
+use crate::walk::lanes::{Lanes, Row, Work};
+use crate::walk::prepare::{Entered, Given, prepare};
+use crate::walk::{Best, Meter, Stop, block, test};
+
+/// A query, to be compiled for each instruction set.
+pub(crate) struct Query<'q, 'a, M, const ANY: bool> {
+    pub view: &'q View<'a>,
+    pub prims: &'q Prims<'a>,
+    pub ray: Given,
+    pub bounds: &'q Aabb,
+    pub local: &'q [f32; 3],
+    pub meter: M,
+}
+
+impl<M: Meter, const ANY: bool> Work for Query<'_, '_, M, ANY> {
+    type Output = Result<Option<Hit>, Stop>;
+
+    #[inline(always)]
+    fn run<L8: Lanes<8>, L4: Lanes<4>>(self) -> Self::Output {
+        if !L8::QUICK {
+            return Slow(self).run::<L8, L4>();
+        }
+        let Some(entered) = Entered::<L4>::new(&self.ray, self.bounds, self.local) else {
+            return if self.ray.is_tiny() { L8::call(Slow(self)) } else { Ok(None) };
+        };
+        if !entered.quick {
+            return L8::call(Slow(self));
+        }
+        let ray = entered.prepared();
+        let (mut best, mut meter) = (Best::new(ray.t_max), self.meter);
+        let root = root(self.view.nodes, self.prims.len);
+        walk_with::<ANY, true, L8, L4>(self.view, self.prims, root, &ray, &mut best, &mut meter)?;
+        Ok(best.hit())
+    }
+}
+
+/// A query on a machine without a quick box test, or whose ray that does not suit.
+struct Slow<'q, 'a, M, const ANY: bool>(Query<'q, 'a, M, ANY>);
+
+impl<M: Meter, const ANY: bool> Work for Slow<'_, '_, M, ANY> {
+    type Output = Result<Option<Hit>, Stop>;
+
+    #[inline(always)]
+    fn run<L8: Lanes<8>, L4: Lanes<4>>(self) -> Self::Output {
+        let Query { view, prims, ray, bounds, local, mut meter } = self.0;
+        let Some(ray) = prepare::<L4>(&ray, bounds, local) else { return Ok(None) };
+        let mut best = Best::new(ray.t_max);
+        walk_with::<ANY, false, L8, L4>(view, prims, root(view.nodes, prims.len), &ray, &mut best, &mut meter)?;
+        Ok(best.hit().map(|hit| Hit { t: hit.t * ray.unit, ..hit }))
+    }
+}
+
+impl View<'_> {
+    /// The walk with what every machine has. Finds the closest hit, or with `ANY` whether there is one; returns whether it
+    /// ended at a hit.
+    ///
+    /// # Errors
+    /// [`Stop`] if the meter runs out or the bytes contradict themselves.
+    pub fn walk<const ANY: bool>(
+        &self,
+        prims: &Prims<'_>,
+        ray: &Prepared,
+        best: &mut Best,
+        meter: &mut impl Meter,
+    ) -> Result<bool, Stop> {
+        walk::<ANY, Row<8>, Row<4>>(self, prims, root(self.nodes, prims.len), ray, best, meter)
+    }
+}
+
+/// What the box tests of a walk read of the ray, in every lane.
+struct Slabs<L, const QUICK: bool> {
+    rows: Rows,
+    near_origin: [L; 3],
+    far_origin: [L; 3],
+    inv: [L; 3],
+    t_min: L,
+}
+
+impl<L: Lanes<WIDTH>, const QUICK: bool> Slabs<L, QUICK> {
+    #[inline(always)]
+    fn new(ray: &Prepared) -> Self {
+        let all = |[x, y, z]: [f32; 3]| [L::splat(x), L::splat(y), L::splat(z)];
+        Self {
+            rows: Rows::new(ray),
+            near_origin: all(ray.near_origin),
+            far_origin: all(if QUICK { farther(ray) } else { ray.far_origin }),
+            inv: all(ray.inv),
+            t_min: L::splat(ray.t_min),
+        }
+    }
+
+    #[inline(always)]
+    fn plane(node: &Node, face: Face, origin: L, inv: L) -> L {
+        (L::load(&node.planes[face.at()]) - origin) * inv
+    }
+
+    #[inline(always)]
+    fn most(a: L, b: L) -> L {
+        if QUICK { a.quick_most(b) } else { a.most(b) }
+    }
+
+    #[inline(always)]
+    fn least(a: L, b: L) -> L {
+        if QUICK { a.quick_least(b) } else { a.least(b) }
+    }
+
+    /// Which children are met up to `t_max`, one bit a lane, and where their intervals begin.
+    #[inline(always)]
+    fn test(&self, node: &Node, t_max: f32) -> (u32, L) {
+        let ([nx, ny, nz], [fx, fy, fz]) = (self.rows.near, self.rows.far);
+        let [ix, iy, iz] = self.inv;
+        let [x, y, z] = self.near_origin;
+        // A NaN constrains nothing: it is the first operand of whichever extreme it meets first.
+        let near_x = Self::most(Self::plane(node, nx, x, ix), self.t_min);
+        let near_y = Self::most(Self::plane(node, ny, y, iy), near_x);
+        let near_z = Self::most(Self::plane(node, nz, z, iz), self.t_min);
+        let near = Self::most(near_y, near_z);
+        let [x, y, z] = self.far_origin;
+        let t_max = L::splat(t_max);
+        let far_x = Self::least(Self::plane(node, fx, x, ix), t_max);
+        let far_y = Self::least(Self::plane(node, fy, y, iy), far_x);
+        let far_z = Self::least(Self::plane(node, fz, z, iz), t_max);
+        let far = Self::least(far_y, far_z);
+        (if QUICK { near.quick_le(far) } else { near.le(far) }, near)
+    }
+}
+
+/// The padded origin of farther planes with twice the pad: a distance that would be `-0.0`, which the quick test takes for a
+/// negative one, is then positive. Boxes that are taken for that are no loss, and none is lost.
+#[inline(always)]
+fn farther(ray: &Prepared) -> [f32; 3] {
+    let away = |k: usize| ray.far_origin[k] + (ray.far_origin[k] - ray.origin[k]);
+    [away(0), away(1), away(2)]
+}
+
+/// A child that waits, and the distance at which its box begins.
+type Waiting = (Child, f32);
+
+type Rest = heapless::Vec<Waiting, { index(STACK) - TOP }>;
+
+/// Entries of a stack that every walk has; the others take a push out of line.
+const TOP: usize = 24;
+
+/// Children that wait, the nearest last.
+struct Stack {
+    top: [Waiting; TOP],
+    len: usize,
+    rest: Rest,
+}
+
+impl Stack {
+    #[inline(always)]
+    const fn new() -> Self {
+        Self { top: [(Child::NONE, 0.0); TOP], len: 0, rest: heapless::Vec::new() }
+    }
+
+    #[inline(always)]
+    fn push(&mut self, entry: Waiting) -> Result<(), Stop> {
+        match self.top.get_mut(self.len) {
+            Some(place) => *place = entry,
+            None => push(&mut self.rest, entry)?,
+        }
+        self.len = self.len.wrapping_add(1);
+        Ok(())
+    }
+
+    #[inline(always)]
+    fn pop(&mut self) -> Option<Waiting> {
+        self.len = self.len.checked_sub(1)?;
+        match self.top.get(self.len) {
+            Some(&entry) => Some(entry),
+            None => pop(&mut self.rest),
+        }
+    }
+}
+
+// Of the rest alone, so that the stack's length stays in a register.
+#[cold]
+#[inline(never)]
+fn push(rest: &mut Rest, entry: Waiting) -> Result<(), Stop> {
+    rest.push(entry).map_err(|_| Stop::Corrupt)
+}
+
+#[cold]
+#[inline(never)]
+fn pop(rest: &mut Rest) -> Option<Waiting> {
+    rest.pop()
+}
+
+/// Finds the closest hit below `from`, or with `ANY` whether there is one. Returns whether the walk ended at a hit.
+///
+/// # Errors
+/// [`Stop`] if the meter runs out or the bytes contradict themselves.
+#[inline(always)]
+pub(super) fn walk<const ANY: bool, L8: Lanes<8>, L4: Lanes<4>>(
+    view: &View<'_>,
+    prims: &Prims<'_>,
+    from: Child,
+    ray: &Prepared,
+    best: &mut Best,
+    meter: &mut impl Meter,
+) -> Result<bool, Stop> {
+    walk_with::<ANY, false, L8, L4>(view, prims, from, ray, best, meter)
+}
+
+/// The same, with the quick box test if that is asked for.
+#[inline(always)]
+fn walk_with<const ANY: bool, const QUICK: bool, L8: Lanes<8>, L4: Lanes<4>>(
+    view: &View<'_>,
+    prims: &Prims<'_>,
+    from: Child,
+    ray: &Prepared,
+    best: &mut Best,
+    meter: &mut impl Meter,
+) -> Result<bool, Stop> {
+    let slabs = Slabs::<L8, QUICK>::new(ray);
+    let mut stack = Stack::new();
+    let mut at = from;
+    let mut t_max = best.t;
+    loop {
+        // Descend, nearest child first, to a leaf or to where all children are missed.
+        let leaf = loop {
+            if !at.is_node() {
+                break at;
+            }
+            if !meter.node() {
+                return Err(Stop::Fuel);
+            }
+            let node = view.nodes.get(index(at.number())).ok_or(Stop::Corrupt)?;
+            meter.at(|| (0..node.len()).fold(Aabb::EMPTY, |all, lane| all.join(&node.bounds(lane))));
+            let (met, near) = slabs.test(node, t_max);
+            if met == 0 {
+                break Child::NONE;
+            }
+            let first = lane(met);
+            let rest = met & (met - 1);
+            if rest == 0 {
+                at = node.child[first];
+                continue;
+            }
+            if ANY {
+                // Whichever comes first is good: the others wait as they stand, the lowest lane on top.
+                at = others(node, met, &mut stack)?;
+                continue;
+            }
+            let near = near.store();
+            let second = lane(rest);
+            let rest = rest & (rest - 1);
+            let (a, b) = if near[second] < near[first] { (second, first) } else { (first, second) };
+            stack.push((node.child[b], near[b]))?;
+            at = node.child[a];
+            if rest != 0 {
+                stack.push((at, near[a]))?;
+                at = nearest(node, &near, rest, &mut stack)?;
+            }
+        };
+        if leaf.len() > 0 {
+            let over = if prims.blocks.is_empty() {
+                test::<ANY>(prims, (slots(prims, leaf).0, leaf.len()), ray, best, meter)?
+            } else {
+                block::test::<ANY, L4>(prims.blocks, (leaf.number(), leaf.len()), ray, best, meter)?
+            };
+            if over {
+                return Ok(true);
+            }
+            t_max = best.t;
+        }
+        // Go on with the latest waiting child that is not beyond the best hit.
+        at = loop {
+            match stack.pop() {
+                Some((child, near)) if near <= t_max => break child,
+                Some(_) => {}
+                None => return Ok(false),
+            }
+        };
+    }
+}
+
+/// The lowest lane of those whose bits are on.
+#[inline(always)]
+const fn lane(met: u32) -> usize {
+    index(met.trailing_zeros()) % WIDTH
+}
+
+/// Puts all children but that of the lowest lane on the stack, and takes that.
+#[inline(always)]
+fn others(node: &Node, mut met: u32, stack: &mut Stack) -> Result<Child, Stop> {
+    loop {
+        let high = index(31u32.wrapping_sub(met.leading_zeros())) % WIDTH;
+        met &= !(1 << high);
+        if met == 0 {
+            return Ok(node.child[high]);
+        }
+        stack.push((node.child[high], f32::NEG_INFINITY))?;
+    }
+}
+
+/// Puts the children of lanes `rest` among the two on top of the stack, the nearest above the others, and takes that.
+#[inline(always)]
+fn nearest(node: &Node, near: &[f32; WIDTH], mut rest: u32, stack: &mut Stack) -> Result<Child, Stop> {
+    let mut sorted = 2usize;
+    while rest != 0 {
+        let lane = lane(rest);
+        rest &= rest - 1;
+        stack.push((node.child[lane], near[lane]))?;
+        let mut place = stack.len.wrapping_sub(1);
+        for _ in 0..sorted {
+            match stack.top.get_mut(place.wrapping_sub(1)..=place) {
+                Some([below, above]) if below.1 < above.1 => core::mem::swap(below, above),
+                _ => break,
+            }
+            place = place.wrapping_sub(1);
+        }
+        sorted = sorted.saturating_add(1);
+    }
+    stack.pop().map(|(child, _)| child).ok_or(Stop::Corrupt)
+}
