@@ -4,7 +4,7 @@
 //! instruction set ([`Isa`]). Each operation is that of IEEE 754 on every lane, and none is fused with another, so all
 //! instruction sets give the same bits.
 //!
-//! An [`Isa`] can only be had on a machine that has those instructions: it is what allows [`Isa::run`] to call code that
+//! An [`Isa`] can only be had on a machine that has those instructions: it is what allows `Isa::run` to call code that
 //! uses them. So nothing is asked per ray: a scene asks once, when it is loaded.
 
 #[cfg(target_arch = "aarch64")]
