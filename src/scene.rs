@@ -238,7 +238,10 @@ impl<'a> Scene<'a> {
         if let Structure::Wide(view) = &self.structure {
             let (prims, bounds, local) = (&self.prims, self.bounds, &self.local);
             let ray = Given::new(ray);
-            return self.isa.run(wide::Query::<_, ANY> { view, prims, ray, bounds, local, meter });
+            return self.isa.run(wide::Query::<_, ANY, 8> { view, prims, ray, bounds, local, meter });
+        }
+        if let Structure::Wide4(view) = &self.structure {
+            return self.query_four::<ANY>(view, ray, meter);
         }
         let Some(ray) = Prepared::new(ray, self.bounds, self.local) else {
             return Ok(None);
@@ -254,9 +257,22 @@ impl<'a> Scene<'a> {
             Structure::Bsp(view) => view.walk::<ANY>(&self.prims, &ray, &mut best, &mut meter, mailbox)?,
             Structure::Sphere(view) => view.walk::<ANY>(&self.prims, &ray, &mut best, &mut meter)?,
             // Answered above, in one piece for each instruction set.
-            Structure::Wide(_) => false,
+            Structure::Wide(_) | Structure::Wide4(_) => false,
         };
         Ok(best.hit().map(|hit| Hit { t: hit.t * ray.unit, ..hit }))
+    }
+
+    // Out of line: with both widths in one function, eight took nine instructions more.
+    #[inline(never)]
+    fn query_four<const ANY: bool>(
+        &self,
+        view: &wide::View<'a, 4>,
+        ray: &Ray,
+        meter: impl Meter,
+    ) -> Result<Option<Hit>, Stop> {
+        let (prims, bounds, local) = (&self.prims, self.bounds, &self.local);
+        let ray = Given::new(ray);
+        self.isa.run(wide::Query::<_, ANY, 4> { view, prims, ray, bounds, local, meter })
     }
 
     /// The same scene with other instructions: all give the same answers. Only `wide` and groups
@@ -278,6 +294,16 @@ impl<'a> Scene<'a> {
     #[must_use]
     pub const fn kind(&self) -> Kind {
         self.kind
+    }
+
+    /// Most children of a node of `wide`, 8 or 4; none of other structures, and where there is no node.
+    #[must_use]
+    pub const fn width(&self) -> Option<u32> {
+        match self.structure {
+            Structure::Wide(view) if !view.nodes.is_empty() => Some(8),
+            Structure::Wide4(_) => Some(4),
+            _ => None,
+        }
     }
 
     /// Number of primitives.

@@ -18,6 +18,7 @@ pub enum Structure<'a> {
     Bsp(bsp::View<'a>),
     Sphere(sphere::View<'a>),
     Wide(wide::View<'a>),
+    Wide4(wide::View<'a, 4>),
 }
 
 impl<'a> Structure<'a> {
@@ -56,6 +57,10 @@ impl<'a> Structure<'a> {
                 let view = sphere::View::parse(blob)?;
                 (Self::Sphere(view), view.steps(prims))
             }
+            Kind::Wide if wide::has_four(blob) => {
+                let view = wide::View::parse(blob)?;
+                (Self::Wide4(view), view.steps(prims))
+            }
             Kind::Wide => {
                 let view = wide::View::parse(blob)?;
                 (Self::Wide(view), view.steps(prims))
@@ -78,6 +83,7 @@ impl<'a> Structure<'a> {
             Self::Bsp(view) => view.check(prims),
             Self::Sphere(view) => view.check(prims, bounds),
             Self::Wide(view) => view.check(prims, bounds),
+            Self::Wide4(view) => view.check(prims, bounds),
         }
     }
 
@@ -93,6 +99,7 @@ impl<'a> Structure<'a> {
             Self::Bsp(view) => view.parts(each),
             Self::Sphere(view) => view.parts(prims, bounds, each),
             Self::Wide(view) => view.parts(prims, bounds, each),
+            Self::Wide4(view) => view.parts(prims, bounds, each),
         }
     }
 

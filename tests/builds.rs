@@ -136,6 +136,17 @@ fn bad_meshes_are_refused_by_name() {
     let balls = [Sphere { center: [0.0; 3], radius: 1.0 }, Sphere { center: [0.0; 3], radius: -1.0 }];
     assert_eq!(error(&Mesh::new(&corner, &[[0, 1, 1]]).spheres(&balls), &config), BuildError::Primitive { prim: 2 });
     assert_eq!(error(&Mesh::default(), &config.leaf(16)), BuildError::Leaf { found: 16 });
+    for (kind, width) in [(Kind::Wide, 3), (Kind::Wide, 16), (Kind::Bvh, 4), (Kind::List, 8)] {
+        let refused = error(&Mesh::default(), &Config::new(kind).width(width));
+        assert_eq!(refused, BuildError::Width { found: width });
+        let said = format!("a width of {width}: 8 and 4 are possible, of the structure `wide` alone");
+        assert_eq!(refused.to_string(), said);
+    }
+    let wide = Config::new(Kind::Wide);
+    assert_eq!(
+        to_vec(&Mesh::new(&corner[..2], &[[0, 1, 0]; 40]), &wide),
+        to_vec(&Mesh::new(&corner[..2], &[[0, 1, 0]; 40]), &wide.width(8))
+    );
     assert_eq!(error(&Mesh::default(), &config.local([f32::NAN, 0.0, 0.0])), BuildError::Local);
     let huge = [Sphere { center: [3e38, 0.0, 0.0], radius: 3e38 }];
     assert_eq!(error(&Mesh::default().spheres(&huge), &config), BuildError::Primitive { prim: 0 });
@@ -219,6 +230,8 @@ fn golden() -> Vec<(&'static str, Soup, Config)> {
         ("v1-wide-empty", Soup::default(), Config::new(Kind::Wide)),
         ("v1-wide-mixed-100", mixed(100, 5), Config::new(Kind::Wide)),
         ("v1-wide-sphere-80", icosphere(1), Config::new(Kind::Wide)),
+        ("v1-wide4-mixed-100", mixed(100, 5), Config::new(Kind::Wide).width(4)),
+        ("v1-wide4-sphere-80", icosphere(1), Config::new(Kind::Wide).width(4)),
         ("v1-bvh-local-sphere-80", icosphere(1), Config::new(Kind::Bvh).local([0.25, -0.5, 8.0])),
     ]
 }

@@ -86,6 +86,7 @@ fn the_format_s_sections_and_kinds_are_the_code_s() {
         (Section::BspNodes, size_of::<flashray::bsp::Node>()),
         (Section::SphereNodes, size_of::<flashray::sphere::Node>()),
         (Section::WideNodes, size_of::<flashray::wide::Node>()),
+        (Section::Wide4Nodes, size_of::<flashray::wide::Node<4>>()),
     ];
     assert_eq!(sizes.map(|(s, _)| s), Section::LISTED);
     for (section, size) in sizes {

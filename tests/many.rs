@@ -79,7 +79,8 @@ fn agree(name: &str, soup: &Soup, count: usize, seed: u64) {
     let truth: Vec<_> = rays.iter().map(|ray| list.closest_hit(ray)).collect();
     let hits = truth.iter().flatten().count();
     assert!(hits * 20 >= rays.len(), "{name}: only {hits} rays hit");
-    for config in [Config::new(Kind::Wide), Config::new(Kind::Wide).rule(Rule::Seed), Config::new(Kind::Wide).leaf(1)] {
+    let wide = Config::new(Kind::Wide);
+    for config in [wide, wide.rule(Rule::Seed), wide.leaf(1), wide.width(4), wide.width(4).leaf(1)] {
         let blob = build(soup, &config);
         same(name, Scene::from_bytes(&blob).expect(name), &rays, &truth);
     }
@@ -109,7 +110,13 @@ fn of_coincident_triangles_the_first_answers() {
 
 #[test]
 fn any_number_of_rays_and_no_more_answers_than_rays() {
-    let blob = build(&icosphere(3), &Config::new(Kind::Wide));
+    for width in [8, 4] {
+        any_number_with(&Config::new(Kind::Wide).width(width));
+    }
+}
+
+fn any_number_with(config: &Config) {
+    let blob = build(&icosphere(3), config);
     let scene = Scene::from_bytes(&blob).expect("a good blob");
     let rays = bundles(scene, 3, 3);
     for len in (0..=rays.len()).filter(|len| len % 64 < 20 || len % 7 == 0) {
@@ -122,14 +129,20 @@ fn any_number_of_rays_and_no_more_answers_than_rays() {
             }
         }
     }
-    let empty = build(&Soup::default(), &Config::new(Kind::Wide));
+    let empty = build(&Soup::default(), config);
     same("empty", Scene::from_bytes(&empty).expect("a good blob"), &rays, &vec![None; rays.len()]);
 }
 
 #[test]
 fn what_contradicts_itself_comes_to_an_end() {
+    for width in [8, 4] {
+        contradictions_with(&Config::new(Kind::Wide).width(width));
+    }
+}
+
+fn contradictions_with(config: &Config) {
     let soup = icosphere(3);
-    let good = build(&soup, &Config::new(Kind::Wide));
+    let good = build(&soup, config);
     let rays = bundles(Scene::from_bytes(&good).expect("a good blob"), 8, 3);
     let mut random = Random::new(1);
     for _ in 0..300 {

@@ -1,13 +1,13 @@
-//! Eight-wide hierarchies: what is particular to them.
-use crate::blobs::{Break, break_one_by_one, edit, header};
+//! Eight-wide and four-wide hierarchies: what is particular to them.
+use crate::blobs::{Break, break_one_by_one, edit, entries, header};
 use crate::common::meshes::{icosphere, mixed};
 use crate::common::{bits, build};
 use flashray::blob::block::Block;
-use flashray::blob::{Buffer, Rule, Section};
+use flashray::blob::{Blob, Buffer, Entry, Header, Rule, Section};
 use flashray::build::Config;
 use flashray::bvh::Child;
 use flashray::walk::Isa;
-use flashray::wide::Node;
+use flashray::wide::{Node, View};
 use flashray::{Kind, Ray, Scene};
 
 /// A blob of 320 triangles.
@@ -20,17 +20,56 @@ fn good_mixed() -> Vec<u8> {
     build(&mixed(60, 1), &Config::new(Kind::Wide).leaf(3)).to_vec()
 }
 
+/// The same with nodes of four.
+fn good_four() -> Vec<u8> {
+    build(&icosphere(2), &Config::new(Kind::Wide).width(4)).to_vec()
+}
+
+fn good_mixed_four() -> Vec<u8> {
+    build(&mixed(60, 1), &Config::new(Kind::Wide).leaf(3).width(4)).to_vec()
+}
+
+/// Edits a node of eight.
+fn eight(bytes: &mut [u8], at: usize, change: impl FnOnce(&mut Node)) {
+    edit_node(bytes, Section::WideNodes, at, change);
+}
+
+/// Edits a node of four.
+fn four(bytes: &mut [u8], at: usize, change: impl FnOnce(&mut Node<4>)) {
+    edit_node(bytes, Section::Wide4Nodes, at, change);
+}
+
+fn edit_node<const W: usize>(bytes: &mut [u8], section: Section, at: usize, change: impl FnOnce(&mut Node<W>)) {
+    edit::<[[u32; W]; 8]>(bytes, section, at, |words| {
+        let mut node: Node<W> = bytemuck::pod_read_unaligned(bytemuck::bytes_of(words));
+        change(&mut node);
+        *words = node.words();
+    });
+}
+
+/// Puts a section at the end of a blob whose table has room for it before the first section.
+fn append(bytes: &mut Vec<u8>, section: Section, contents: &[u8]) {
+    let count = entries(bytes).len();
+    let entry = Entry { section: section.number(), offset: bytes.len() as u32, length: contents.len() as u32 };
+    assert_eq!(bytes.len() % 64, 0, "the blob ends where a section may begin");
+    bytes.extend_from_slice(contents);
+    let at = size_of::<Header>() + count * size_of::<Entry>();
+    bytes[at..at + size_of::<Entry>()].copy_from_slice(bytemuck::bytes_of(&entry));
+    let length = bytes.len() as u32;
+    header(bytes, |h| (h.sections, h.length) = (h.sections + 1, length));
+}
+
 /// For each rule about wide nodes and blocks an edit that breaks it and no rule before it.
 pub const BREAKS: &[(Rule, Break)] = &[
-    (Rule::WideLanes, |b| edit::<Node>(b, Section::WideNodes, 0, |n| n.child[1] = Child::node(0))),
-    (Rule::WideLanes, |b| edit::<Node>(b, Section::WideNodes, 0, |n| n.child[2] = Child::node(0))),
-    (Rule::NodeBounds, |b| edit::<Node>(b, Section::WideNodes, 0, |n| n.planes[1][1] = n.planes[0][1])),
-    (Rule::NodeBounds, |b| edit::<Node>(b, Section::WideNodes, 1, |n| n.planes[2][0] = f32::NAN)),
-    (Rule::NodeBounds, |b| edit::<Node>(b, Section::WideNodes, 0, |n| n.planes[5][0] = f32::INFINITY)),
-    (Rule::Reserved, |b| edit::<Node>(b, Section::WideNodes, 1, |n| n.reserved[7] = 1)),
-    (Rule::NodeOrder, |b| edit::<Node>(b, Section::WideNodes, 0, |n| n.child[0] = Child::node(2))),
-    (Rule::NodeOrder, |b| edit::<Node>(b, Section::WideNodes, 0, |n| n.child[0] = Child::node(1 << 27))),
-    (Rule::LeafOrder, |b| edit::<Node>(b, Section::WideNodes, 0, |n| n.child[0] = Child::leaf(1, 3))),
+    (Rule::WideLanes, |b| eight(b, 0, |n| n.child[1] = Child::node(0))),
+    (Rule::WideLanes, |b| eight(b, 0, |n| n.child[2] = Child::node(0))),
+    (Rule::NodeBounds, |b| eight(b, 0, |n| n.planes[1][1] = n.planes[0][1])),
+    (Rule::NodeBounds, |b| eight(b, 1, |n| n.planes[2][0] = f32::NAN)),
+    (Rule::NodeBounds, |b| eight(b, 0, |n| n.planes[5][0] = f32::INFINITY)),
+    (Rule::Reserved, |b| eight(b, 1, |n| n.reserved[7] = 1)),
+    (Rule::NodeOrder, |b| eight(b, 0, |n| n.child[0] = Child::node(2))),
+    (Rule::NodeOrder, |b| eight(b, 0, |n| n.child[0] = Child::node(1 << 27))),
+    (Rule::LeafOrder, |b| eight(b, 0, |n| n.child[0] = Child::leaf(1, 3))),
     (Rule::BlockLanes, |b| edit::<Block>(b, Section::Blocks, 1, |n| n.ids = [u32::MAX; 4])),
     (Rule::BlockLanes, |b| edit::<Block>(b, Section::Blocks, 1, |n| n.ids[0] = u32::MAX)),
     // The first block has three triangles.
@@ -41,12 +80,36 @@ pub const BREAKS: &[(Rule, Break)] = &[
     (Rule::StackTrue, |b| header(b, |h| h.stack += 1)),
     (Rule::Stack, |b| header(b, |h| h.stack = 193)),
     (Rule::StepsTrue, |b| header(b, |h| h.steps -= 1)),
+    (Rule::WideWidth, |b| append(b, Section::Wide4Nodes, &[0; 128])),
+];
+
+const FOUR_BREAKS: &[(Rule, Break)] = &[
+    (Rule::WideLanes, |b| four(b, 0, |n| n.child[1] = Child::node(0))),
+    (Rule::WideLanes, |b| four(b, 0, |n| n.child[2] = Child::node(0))),
+    (Rule::WideLanes, |b| four(b, 0, |n| n.child = [Child::node(0); 4])),
+    (Rule::NodeBounds, |b| four(b, 0, |n| n.planes[1][1] = n.planes[0][1])),
+    (Rule::NodeBounds, |b| four(b, 1, |n| n.planes[2][0] = f32::NAN)),
+    (Rule::NodeBounds, |b| four(b, 0, |n| n.planes[5][3] = f32::INFINITY)),
+    (Rule::Reserved, |b| four(b, 1, |n| n.reserved[3] = 1)),
+    (Rule::NodeOrder, |b| four(b, 0, |n| n.child[0] = Child::node(2))),
+    (Rule::NodeOrder, |b| four(b, 0, |n| n.child[0] = Child::node(1 << 27))),
+    (Rule::LeafOrder, |b| four(b, 0, |n| n.child[0] = Child::leaf(1, 3))),
+    (Rule::BlockLanes, |b| edit::<Block>(b, Section::Blocks, 1, |n| n.ids = [u32::MAX; 4])),
+    (Rule::StackTrue, |b| header(b, |h| h.stack += 1)),
+    (Rule::Stack, |b| header(b, |h| h.stack = 193)),
+    (Rule::StepsTrue, |b| header(b, |h| h.steps -= 1)),
+];
+
+const MIXED_FOUR_BREAKS: &[(Rule, Break)] = &[
+    (Rule::WideLanes, |b| four(b, 0, |n| n.child[1] = Child::node(0))),
+    (Rule::LeafOrder, |b| four(b, 0, |n| n.child[0] = Child::leaf(1, 3))),
+    (Rule::StackTrue, |b| header(b, |h| h.stack += 1)),
 ];
 
 const MIXED_BREAKS: &[(Rule, Break)] = &[
-    (Rule::WideLanes, |b| edit::<Node>(b, Section::WideNodes, 0, |n| n.child[1] = Child::node(0))),
-    (Rule::LeafOrder, |b| edit::<Node>(b, Section::WideNodes, 0, |n| n.child[0] = Child::leaf(1, 3))),
-    (Rule::LeafOrder, |b| edit::<Node>(b, Section::WideNodes, 0, |n| n.child[0] = Child::leaf((1 << 28) - 1, 15))),
+    (Rule::WideLanes, |b| eight(b, 0, |n| n.child[1] = Child::node(0))),
+    (Rule::LeafOrder, |b| eight(b, 0, |n| n.child[0] = Child::leaf(1, 3))),
+    (Rule::LeafOrder, |b| eight(b, 0, |n| n.child[0] = Child::leaf((1 << 28) - 1, 15))),
     (Rule::StackTrue, |b| header(b, |h| h.stack += 1)),
 ];
 
@@ -54,23 +117,39 @@ const MIXED_BREAKS: &[(Rule, Break)] = &[
 fn rules_about_wide_hierarchies_are_broken_one_by_one() {
     break_one_by_one(&good(), BREAKS);
     break_one_by_one(&good_mixed(), MIXED_BREAKS);
+    break_one_by_one(&good_four(), FOUR_BREAKS);
+    break_one_by_one(&good_mixed_four(), MIXED_FOUR_BREAKS);
 }
 
 #[test]
 fn every_triangle_is_in_a_block_once() {
-    let blob = Buffer::from(&good()[..]);
-    let scene = Scene::from_bytes(&blob).expect("a good blob");
-    let mut ids: Vec<_> = scene.primitives().map(|(id, _)| id).collect();
-    ids.sort_unstable();
-    assert_eq!(ids, (0..320).collect::<Vec<_>>());
+    for (blob, width) in [(good(), 8), (good_four(), 4)] {
+        let blob = Buffer::from(&blob[..]);
+        let scene = Scene::from_bytes(&blob).expect("a good blob");
+        assert_eq!(scene.width(), Some(width));
+        let mut ids: Vec<_> = scene.primitives().map(|(id, _)| id).collect();
+        ids.sort_unstable();
+        assert_eq!(ids, (0..320).collect::<Vec<_>>());
+    }
+}
+
+/// Nodes of a width are read as nodes of that width alone.
+#[test]
+fn a_view_of_one_width_refuses_the_other() {
+    let (eight, four) = (Buffer::from(&good()[..]), Buffer::from(&good_four()[..]));
+    let (eight, four) = (Blob::parse(&eight).expect("a good blob"), Blob::parse(&four).expect("a good blob"));
+    assert!(View::<8>::parse(&eight).is_ok() && View::<4>::parse(&four).is_ok());
+    assert_eq!(View::<4>::parse(&eight).map(|_| ()).map_err(|e| e.rule), Err(Rule::WideWidth));
+    assert_eq!(View::<8>::parse(&four).map(|_| ()).map_err(|e| e.rule), Err(Rule::WideWidth));
 }
 
 /// A distance of 0 is one whatever its sign, and an origin within the slab test's pad of a plane is in its slab.
 #[test]
 fn rays_that_start_about_a_plane_hit_what_the_list_hits() {
     let mesh = icosphere(1);
-    let [list, wide] = [Kind::List, Kind::Wide].map(|kind| build(&mesh, &Config::new(kind)));
-    let [list, wide] = [&list, &wide].map(|blob| Scene::from_bytes(blob).expect("a good blob"));
+    let wide = Config::new(Kind::Wide);
+    let blobs = [Config::new(Kind::List), wide, wide.width(4)].map(|config| build(&mesh, &config));
+    let [list, wide, wide4] = blobs.each_ref().map(|blob| Scene::from_bytes(blob).expect("a good blob"));
     let bounds = list.bounds();
     let mut hits = 0;
     for (k, plane) in (0..3).flat_map(|k| [(k, bounds.min[k]), (k, bounds.max[k])]) {
@@ -86,8 +165,8 @@ fn rays_that_start_about_a_plane_hit_what_the_list_hits() {
                 ] {
                     let truth = list.closest_hit(&ray);
                     hits += u32::from(truth.is_some());
-                    for isa in Isa::all() {
-                        let scene = wide.with_isa(isa);
+                    for (scene, isa) in Isa::all().flat_map(|isa| [(wide, isa), (wide4, isa)]) {
+                        let scene = scene.with_isa(isa);
                         assert_eq!(bits(scene.closest_hit(&ray)), bits(truth), "{isa:?}, {ray:?}");
                         assert_eq!(scene.any_hit(&ray), truth.is_some(), "{isa:?}, {ray:?}");
                     }

@@ -105,8 +105,10 @@ rules! {
     SphereBounds = 50, "a sphere has its centre in the bounds and contains the boxes below it";
     /// A block has triangles in its first lanes, at least one; the others are 0 and have no number.
     BlockLanes = 55, "a block has triangles in its first lanes, and nothing in the others";
-    /// A wide node has from two to eight children, in its first lanes; the others have empty boxes.
-    WideLanes = 56, "a wide node has from two to eight children in its first lanes, and nothing in the others";
+    /// A wide node has at least two children, in its first lanes; the others have empty boxes.
+    WideLanes = 56, "a wide node has at least two children in its first lanes, and nothing in the others";
+    /// The nodes of a wide hierarchy are of one width, the one that is read.
+    WideWidth = 61, "the nodes of a wide hierarchy are of one width";
 }
 
 impl Rule {
@@ -171,6 +173,8 @@ pub enum Section {
     SphereNodes = 34,
     /// Nodes of the eight-wide hierarchy, 256 bytes each.
     WideNodes = 36,
+    /// Nodes of the four-wide hierarchy, 128 bytes each.
+    Wide4Nodes = 37,
     /// The section table.
     Table = 255,
 }
@@ -201,6 +205,7 @@ impl Section {
         Self::BspNodes,
         Self::SphereNodes,
         Self::WideNodes,
+        Self::Wide4Nodes,
     ];
 
     /// The section's number in the table.
@@ -238,6 +243,7 @@ impl Section {
             Self::BspNodes => "bsp nodes",
             Self::SphereNodes => "sphere nodes",
             Self::WideNodes => "wide nodes",
+            Self::Wide4Nodes => "wide4 nodes",
             Self::Table => "section table",
         }
     }

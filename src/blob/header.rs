@@ -53,7 +53,7 @@ pub enum Kind {
     Bsp = 7,
     /// Binary bounding-sphere hierarchy.
     Sphere = 8,
-    /// Eight-wide bounding-volume hierarchy.
+    /// Eight-wide bounding-volume hierarchy, or four-wide.
     Wide = 9,
 }
 
@@ -96,7 +96,7 @@ impl Kind {
             Self::Octree => &[Section::GridShape, Section::CellStarts, Section::CellLists, Section::OctreeNodes],
             Self::Bsp => &[Section::CellLists, Section::BspNodes],
             Self::Sphere => &[Section::SphereNodes],
-            Self::Wide => &[Section::Blocks, Section::WideNodes],
+            Self::Wide => &[Section::Blocks, Section::WideNodes, Section::Wide4Nodes],
         }
     }
 }

@@ -50,6 +50,8 @@ pub struct Config {
     pub leaf: u32,
     /// How much time [`Rule::Sah`] may take for bvh, sphere and wide.
     pub quality: Quality,
+    /// Most children of a node of wide: 8 or 4; 0 is 8. No other structure has a width ([`BuildError::Width`]).
+    pub width: u32,
     /// Cells along the longest side of a grid, of voxels or of the outermost of nested grids, at most 1024; 0 leaves it
     /// to the rule. Where the scene is a cube a grid has too many from 646 on ([`BuildError::TooLarge`]).
     pub cells: u32,
@@ -64,7 +66,8 @@ impl Config {
     /// The defaults: the surface-area heuristic, a leaf limit of 8 primitives, no local origin.
     #[must_use]
     pub const fn new(kind: Kind) -> Self {
-        Self { kind, rule: Rule::Sah, leaf: 8, quality: Quality::Default, cells: 0, threshold: 0, local: [0.0; 3] }
+        let (rule, quality, local) = (Rule::Sah, Quality::Default, [0.0; 3]);
+        Self { kind, rule, leaf: 8, quality, width: 0, cells: 0, threshold: 0, local }
     }
 
     /// With another rule.
@@ -85,6 +88,26 @@ impl Config {
     #[must_use]
     pub const fn quality(mut self, quality: Quality) -> Self {
         self.quality = quality;
+        self
+    }
+
+    /// With nodes of up to so many children, 8 or 4: for [`Kind::Wide`] alone.
+    ///
+    /// ```
+    /// # #[cfg(feature = "alloc")] {
+    /// use flashray::build::{BuildError, Config, Mesh, to_vec};
+    /// use flashray::{Kind, Scene};
+    ///
+    /// let mesh = Mesh::new(&[[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]], &[[0, 1, 2]; 20]);
+    /// let blob = to_vec(&mesh, &Config::new(Kind::Wide).width(4))?;
+    /// assert_eq!(Scene::from_bytes(&blob).unwrap().width(), Some(4));
+    /// assert_eq!(to_vec(&mesh, &Config::new(Kind::Bvh).width(4)), Err(BuildError::Width { found: 4 }));
+    /// # }
+    /// # Ok::<(), flashray::build::BuildError>(())
+    /// ```
+    #[must_use]
+    pub const fn width(mut self, width: u32) -> Self {
+        self.width = width;
         self
     }
 
@@ -109,9 +132,20 @@ impl Config {
         self
     }
 
+    /// Whether the structure comes in the width.
+    const fn fits(&self) -> bool {
+        matches!((self.kind, self.width), (_, 0) | (Kind::Wide, 4 | 8))
+    }
+
+    /// Children of a wide node, as asked for.
+    pub(crate) const fn children(&self) -> usize {
+        if self.width == 4 { 4 } else { 8 }
+    }
+
     pub(super) fn check(&self) -> Result<(), BuildError> {
         match () {
             () if self.leaf == 0 || self.leaf > MAX_LEAF => Err(BuildError::Leaf { found: self.leaf }),
+            () if !self.fits() => Err(BuildError::Width { found: self.width }),
             () if self.cells > MOST_CELLS => Err(BuildError::Cells { found: self.cells }),
             () if !finite(self.local) => Err(BuildError::Local),
             () => Ok(()),

@@ -54,6 +54,11 @@ pub enum BuildError {
         /// What it is.
         found: u32,
     },
+    /// The width is neither 8 nor 4, or the structure is not wide.
+    Width {
+        /// What it is.
+        found: u32,
+    },
     /// There are more than 1024 cells along the longest side.
     Cells {
         /// How many.
@@ -87,6 +92,9 @@ impl fmt::Display for BuildError {
                 "too large: a blob holds fewer than 2^28 primitives, cells of a grid and references, and 2^32 bytes",
             ),
             Self::Leaf { found } => write!(f, "a leaf of {found} primitives: 1 to 15 are possible"),
+            Self::Width { found } => {
+                write!(f, "a width of {found}: 8 and 4 are possible, of the structure `wide` alone")
+            }
             Self::Cells { found } => write!(f, "{found} cells along the longest side: up to 1024 are possible"),
             Self::Local => f.write_str("the local origin is not finite"),
         }

@@ -113,7 +113,7 @@ impl Needs {
         };
         let scratch = if let Shape::Voxel(plan) = shape { plan.scratch() } else { 0 };
         let bytes = match shape {
-            Shape::Wide => write::most_wide_bytes(mesh, nodes),
+            Shape::Wide => write::most_wide_bytes(mesh, nodes, wide::build::section(config.children()).1),
             _ => write::most_bytes(mesh, config.kind, nodes, cells + slots - scratch),
         };
         Self { refs, nodes, cells, slots, bytes }

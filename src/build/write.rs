@@ -48,7 +48,10 @@ pub(super) fn layout(mesh: &Mesh<'_>, built: &Built<'_>) -> Result<Layout, Build
     match built {
         Built::List => {}
         Built::Bvh(tree) => push(Section::BvhNodes, tree.len, size_of::<Node>())?,
-        Built::Wide(tree) => push(Section::WideNodes, tree.len, size_of::<wide::Node>())?,
+        Built::Wide(tree) => {
+            let (section, bytes) = tree.section();
+            push(section, tree.len, bytes)?;
+        }
         Built::Sphere(tree) => push(Section::SphereNodes, tree.len, size_of::<sphere::Node>())?,
         Built::Parts(parts) => {
             for &(section, words, entry) in &parts.sections {
@@ -70,14 +73,14 @@ pub(super) fn most_bytes(mesh: &Mesh<'_>, kind: Kind, nodes: usize, words: usize
     Layout::new(&sections).map_or(usize::MAX, |layout| layout.len().saturating_add(words))
 }
 
-/// The same for a wide hierarchy over so many binary nodes.
-pub(super) fn most_wide_bytes(mesh: &Mesh<'_>, nodes: usize) -> usize {
+/// The same for a wide hierarchy over so many binary nodes; each of its own takes `node` bytes.
+pub(super) fn most_wide_bytes(mesh: &Mesh<'_>, nodes: usize, node: usize) -> usize {
     let mut sections = primitive_sections(mesh, true);
     if all_triangles(mesh) {
         // At worst each triangle has a block of its own.
         sections = Sections::from_iter([(Section::Blocks, mesh.len().unwrap_or(0), size_of::<Block>())]);
     }
-    let _ = sections.push((Section::WideNodes, count(nodes), size_of::<wide::Node>()));
+    let _ = sections.push((Section::WideNodes, count(nodes), node));
     Layout::new(&sections).map_or(usize::MAX, |layout| layout.len())
 }
 
@@ -110,7 +113,9 @@ impl Plan<'_> {
             Built::Bvh(tree) => writer.section(Section::BvhNodes, tree.nodes()),
             Built::Wide(tree) => {
                 writer.section(Section::Blocks, tree.blocks(|prim| self.triangle(prim)));
-                writer.section(Section::WideNodes, tree.nodes());
+                // One of the two has a place in the layout.
+                writer.section(Section::WideNodes, tree.nodes::<8>());
+                writer.section(Section::Wide4Nodes, tree.nodes::<4>());
             }
             Built::Sphere(tree) => writer.section(Section::SphereNodes, sphere::build::nodes(*tree)),
             Built::Parts(parts) => {

@@ -20,8 +20,10 @@ impl Scene<'_> {
     /// another. A group takes 10 KiB of stack on
     /// `wide` and [`GROUP_SCRATCH`](crate::walk::GROUP_SCRATCH) bytes elsewhere, however many rays there are.
     pub fn closest_hits(&self, rays: &[Ray], hits: &mut [Option<Hit>]) {
-        if let Structure::Wide(view) = &self.structure {
-            return self.wide::<_, false>(view, None, rays, hits);
+        match &self.structure {
+            Structure::Wide(view) => return self.wide::<_, false, 8>(view, None, rays, hits),
+            Structure::Wide4(view) => return self.wide::<_, false, 4>(view, None, rays, hits),
+            _ => {}
         }
         for (rays, hits) in rays.chunks(RAYS).zip(hits.chunks_mut(RAYS)) {
             self.group::<false, false, false>(rays, hits, &mut Steps::default());
@@ -31,8 +33,10 @@ impl Scene<'_> {
     /// [`Scene::any_hit`] for many rays: `hits[i]` becomes the answer to `rays[i]`, in the same way as by
     /// [`Scene::closest_hits`].
     pub fn any_hits(&self, rays: &[Ray], hits: &mut [bool]) {
-        if let Structure::Wide(view) = &self.structure {
-            return self.wide::<_, true>(view, None, rays, hits);
+        match &self.structure {
+            Structure::Wide(view) => return self.wide::<_, true, 8>(view, None, rays, hits),
+            Structure::Wide4(view) => return self.wide::<_, true, 4>(view, None, rays, hits),
+            _ => {}
         }
         let mut found = [None; RAYS];
         for (rays, hits) in rays.chunks(RAYS).zip(hits.chunks_mut(RAYS)) {
@@ -91,18 +95,20 @@ impl Scene<'_> {
     /// # }
     /// ```
     pub fn closest_hits_in_packets(&self, of: PacketSize, rays: &[Ray], hits: &mut [Option<Hit>]) {
-        if let Structure::Wide(view) = &self.structure {
-            return self.wide::<_, false>(view, Some(of), rays, hits);
+        match &self.structure {
+            Structure::Wide(view) => self.wide::<_, false, 8>(view, Some(of), rays, hits),
+            Structure::Wide4(view) => self.wide::<_, false, 4>(view, Some(of), rays, hits),
+            _ => rays.iter().zip(hits).for_each(|(ray, hit)| *hit = self.closest_hit(ray)),
         }
-        rays.iter().zip(hits).for_each(|(ray, hit)| *hit = self.closest_hit(ray));
     }
 
     /// [`Scene::any_hits`] in packets, as [`Scene::closest_hits_in_packets`].
     pub fn any_hits_in_packets(&self, of: PacketSize, rays: &[Ray], hits: &mut [bool]) {
-        if let Structure::Wide(view) = &self.structure {
-            return self.wide::<_, true>(view, Some(of), rays, hits);
+        match &self.structure {
+            Structure::Wide(view) => self.wide::<_, true, 8>(view, Some(of), rays, hits),
+            Structure::Wide4(view) => self.wide::<_, true, 4>(view, Some(of), rays, hits),
+            _ => rays.iter().zip(hits).for_each(|(ray, hit)| *hit = self.any_hit(ray)),
         }
-        rays.iter().zip(hits).for_each(|(ray, hit)| *hit = self.any_hit(ray));
     }
 
     /// Up to 64 rays.
@@ -137,13 +143,15 @@ impl Scene<'_> {
     }
 
     /// Many rays on `wide`, in packets or in groups.
-    fn wide<A: wide::Answer, const ANY: bool>(
+    fn wide<A: wide::Answer, const ANY: bool, const W: usize>(
         &self,
-        view: &wide::View<'_>,
+        view: &wide::View<'_, W>,
         packets: Option<PacketSize>,
         rays: &[Ray],
         answers: &mut [A],
-    ) {
+    ) where
+        wide::Node<W>: wide::Wide<W>,
+    {
         let len = rays.len().min(answers.len());
         let (Some(rays), Some(answers)) = (rays.get(..len), answers.get_mut(..len)) else { return };
         if self.prims.len == 0 {

@@ -5,12 +5,13 @@
 //! Compressed Wide BVHs", HPG 2017, section 3.1): for each subtree, the least cost of a forest of one to eight roots
 //! that stands for it, each root a wide node or a leaf. A forest of one is a leaf, or a node over the best forest of
 //! eight; a larger one is parted between the two children, or is one of fewer roots. A node costs the same wherever it
-//! is; a leaf costs so much for each block of its triangles, because four are tested at a time.
+//! is; a leaf costs so much for each block of its triangles, because four are tested at a time. For nodes of four the same
+//! is done with four for eight.
 //!
 //! Memory: that of the binary tree, and [`WORDS`] words for each of its nodes.
 use super::{Node, STACK, WIDTH};
-use crate::blob::MAX_STACK;
 use crate::blob::block::{self, Block};
+use crate::blob::{MAX_STACK, Section};
 use crate::build::sah::area;
 use crate::build::{BuildError, Config, Ref};
 use crate::bvh::build::Leaves;
@@ -67,10 +68,10 @@ struct Forest {
 
 /// The forests of up to one, two .. eight roots of a child. Only the node above asks for them: so they are no more than
 /// a tree is deep at a time.
-type Costs = [Forest; WIDTH];
+type Costs<const W: usize> = [Forest; W];
 
-const fn of(forests: &Costs, roots: usize) -> Forest {
-    forests[(roots - 1) % WIDTH]
+const fn of<const W: usize>(forests: &Costs<W>, roots: usize) -> Forest {
+    forests[(roots - 1) % W]
 }
 
 /// A child of a wide node to be.
@@ -90,6 +91,8 @@ type Kids = heapless::Vec<Kid, WIDTH>;
 struct Known<'k> {
     nodes: &'k [bvh::Node],
     forests: &'k [Forests],
+    /// Most children of a node.
+    width: usize,
     /// Primitives of a block.
     lanes: u32,
     /// One over the scene's size: areas in units of it neither overflow nor vanish.
@@ -111,9 +114,9 @@ impl Known<'_> {
     fn kids(&self, node: &bvh::Node, left: usize) -> Kids {
         let mut kids = Kids::new();
         let [a, b] = node.child;
-        // Each entry takes at least one of eight roots.
+        // Each entry takes at least one of the roots.
         let mut todo = heapless::Vec::<(Child, Aabb, usize), WIDTH>::new();
-        let _ = todo.push((b, node.bounds(1), WIDTH - left));
+        let _ = todo.push((b, node.bounds(1), self.width - left));
         let _ = todo.push((a, node.bounds(0), left));
         while let Some((at, bounds, roots)) = todo.pop() {
             let (Some(forest), Some(node)) = (self.forest(at), self.nodes.get(index(at.number()))) else {
@@ -147,7 +150,13 @@ impl Known<'_> {
     }
 
     /// The forests of a node of this area, those of its children being known; leaves have at most `most` primitives.
-    fn forests(&self, node: &bvh::Node, below: &[Costs; 2], area: f32, most: u32) -> (Forests, Costs) {
+    fn forests<const W: usize>(
+        &self,
+        node: &bvh::Node,
+        below: &[Costs<W>; 2],
+        area: f32,
+        most: u32,
+    ) -> (Forests, Costs<W>) {
         let [a, b] = below;
         let both = |left: usize, right: usize| {
             let (a, b) = (of(a, left), of(b, right));
@@ -165,12 +174,12 @@ impl Known<'_> {
             best
         };
         let prims = node.child.iter().map(|&at| self.forest(at).map_or(at.len(), |f| f.prims)).sum();
-        let (wide, left) = parted(WIDTH);
+        let (wide, left) = parted(W);
         let wide = Forest { cost: wide.cost + area * NODE_COST, nodes: wide.nodes + 1, ..wide };
         let leaf = self.leaf(prims, area);
         let is_leaf = prims <= most && leaf.cost <= wide.cost;
         let mut known = Forests { how: u32::from(is_leaf), prims, nodes: wide.nodes, blocks: wide.blocks };
-        let mut all = [if is_leaf { leaf } else { wide }; WIDTH];
+        let mut all = [if is_leaf { leaf } else { wide }; W];
         let mut fewer = all[0];
         for (roots, place) in (2..).zip(all.iter_mut().skip(1)) {
             let (apart, left) = parted(roots);
@@ -182,6 +191,15 @@ impl Known<'_> {
         }
         known.how |= count(left) << (WIDTH * 3);
         (known, all)
+    }
+}
+
+/// The section for nodes of a width, and the bytes of each.
+#[must_use]
+pub const fn section(width: usize) -> (Section, usize) {
+    match width {
+        4 => (Section::Wide4Nodes, size_of::<Node<4>>()),
+        _ => (Section::WideNodes, size_of::<Node>()),
     }
 }
 
@@ -214,32 +232,40 @@ pub fn build<'n>(
     let forests: &mut [Forests] = bytemuck::cast_slice_mut(words);
     let leaves = Leaves { whole: 1, most: config.leaf, lanes: lanes.trailing_zeros() };
     let mut made = bvh::build::grow(config, refs, nodes, bounds, leaves)?;
-    let unit = 1.0 / size(sub(bounds.max, bounds.min));
-    plan(nodes.get(..made).unwrap_or(&[]), forests, bounds, config.leaf, lanes);
-    let tree = |made: usize| Tree::new(refs, Known { nodes: nodes.get(..made).unwrap_or(&[]), forests, lanes, unit });
-    let stack = tree(made).stack;
-    if stack > STACK {
-        // Rare: primitives of very unlike sizes. A tree halved by count is never deep.
-        made = bvh::build::halved(refs, nodes, bounds)?;
-        plan(nodes.get(..made).unwrap_or(&[]), forests, bounds, config.leaf, lanes);
-    }
-    Ok(Tree::new(refs, Known { nodes: nodes.get(..made).unwrap_or(&[]), forests, lanes, unit }))
-}
-
-/// The best forests of all nodes; leaves have at most `leaf` primitives.
-fn plan(nodes: &[bvh::Node], forests: &mut [Forests], bounds: &Aabb, leaf: u32, lanes: u32) {
     // Areas in units of the scene, so that they neither overflow nor vanish.
     let unit = 1.0 / size(sub(bounds.max, bounds.min));
+    let none = Known { nodes: &[], forests: &[], width: config.children(), lanes, unit };
+    plan(Known { nodes: nodes.get(..made).unwrap_or(&[]), ..none }, forests, bounds, config.leaf);
+    let tree = Tree::new(refs, Known { nodes: nodes.get(..made).unwrap_or(&[]), forests, ..none });
+    if tree.stack > STACK {
+        // Rare: primitives of very unlike sizes. A tree halved by count is never deep.
+        made = bvh::build::halved(refs, nodes, bounds)?;
+        plan(Known { nodes: nodes.get(..made).unwrap_or(&[]), ..none }, forests, bounds, config.leaf);
+    }
+    Ok(Tree::new(refs, Known { nodes: nodes.get(..made).unwrap_or(&[]), forests, ..none }))
+}
+
+/// The best forests of all nodes of `tree`, in which none is known yet; leaves have at most `leaf` primitives.
+fn plan(tree: Known<'_>, forests: &mut [Forests], bounds: &Aabb, leaf: u32) {
+    match tree.width {
+        4 => plan_for::<4>(tree, forests, bounds, leaf),
+        _ => plan_for::<8>(tree, forests, bounds, leaf),
+    }
+}
+
+/// The same, for nodes of a width that the compiler knows: it unrolls what is done for each number of roots.
+fn plan_for<const W: usize>(tree: Known<'_>, forests: &mut [Forests], bounds: &Aabb, leaf: u32) {
+    let Known { nodes, unit, .. } = tree;
     let mut climb = Climb::new();
     // A left child's forests wait for the right one's: at most one for each level.
-    let mut waiting = heapless::Vec::<Costs, { index(MAX_STACK) + 2 }>::new();
+    let mut waiting = heapless::Vec::<Costs<W>, { index(MAX_STACK) + 2 }>::new();
     while let Some((at, place)) = climb.next(nodes) {
         let own = nodes.get(place.node()).map_or(*bounds, |n| n.bounds(place.side()));
-        let known = Known { nodes, forests, lanes, unit };
+        let known = Known { forests, ..tree };
         let Some(node) = nodes.get(index(at)) else { return };
         let mut below = |side: usize| match node.child[side] {
-            child if child.is_node() => waiting.pop().unwrap_or([known.leaf(0, 0.0); WIDTH]),
-            child => [known.leaf(child.len(), area(&node.bounds(side), unit)); WIDTH],
+            child if child.is_node() => waiting.pop().unwrap_or([known.leaf(0, 0.0); W]),
+            child => [known.leaf(child.len(), area(&node.bounds(side), unit)); W],
         };
         let right = below(1);
         let (best, all) = known.forests(node, &[below(0), right], area(&own, unit), leaf);
@@ -288,7 +314,7 @@ impl<'n> Tree<'n> {
             let (mut child_number, mut child_block) = (number + 1, block);
             number += 1;
             let stack = below + count(kids.len());
-            let mut node = Node::EMPTY;
+            let mut node = Node::<WIDTH>::EMPTY;
             for (lane, kid) in kids.iter().enumerate() {
                 let forest = self.known.forest(kid.at);
                 let child = if let Some(prims) = kid.leaf {
@@ -311,9 +337,16 @@ impl<'n> Tree<'n> {
         })
     }
 
-    /// The nodes in walk order.
-    pub fn nodes(self) -> impl Iterator<Item = Node> {
-        self.met().filter_map(|met| if let Met::Node(node, _) = met { Some(node) } else { None })
+    /// The section of the nodes, and the bytes of each.
+    #[must_use]
+    pub const fn section(&self) -> (Section, usize) {
+        section(self.known.width)
+    }
+
+    /// The nodes in walk order, as they are to stand in a blob.
+    pub fn nodes<const W: usize>(self) -> impl Iterator<Item = [[u32; W]; 8]> {
+        self.met()
+            .filter_map(|met| if let Met::Node(node, _) = met { Some(node.narrowed::<W>().words()) } else { None })
     }
 
     /// The references in the order of leaves.

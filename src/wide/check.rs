@@ -1,7 +1,7 @@
 //! The full check: one pass through the nodes in walk order.
-use super::{Node, STACK, View, WIDTH, slots};
+use super::{Node, STACK, View, Wide, slots};
 use crate::blob::prims::Prims;
-use crate::blob::{BlobError, Rule, Section};
+use crate::blob::{BlobError, Rule};
 use crate::bvh::{Child, MAX_LEAF};
 use crate::geom::Aabb;
 use crate::num::{count, index};
@@ -15,8 +15,8 @@ struct Step {
 }
 
 /// What has been met so far.
-struct Pass<'c, 'a> {
-    nodes: &'a [Node],
+struct Pass<'c, 'a, const W: usize> {
+    nodes: &'a [Node<W>],
     prims: &'c Prims<'a>,
     bounds: &'c Aabb,
     way: heapless::Vec<Step, { index(STACK) }>,
@@ -28,7 +28,10 @@ struct Pass<'c, 'a> {
     deepest: u32,
 }
 
-impl View<'_> {
+impl<const W: usize> View<'_, W>
+where
+    Node<W>: Wide<W>,
+{
     /// The full check, O(n), with a stack of its own: rules 7, 20 to 23 and 56.
     ///
     /// Returns the deepest stack of any walk.
@@ -46,7 +49,7 @@ impl View<'_> {
             pass.leaf(Child::leaf(0, prims.len), 0)?;
         }
         let ends = |rule, found: u32, needed: u32| {
-            if found == needed { Ok(()) } else { Err(broken(rule, found).found(found).needed(needed)) }
+            if found == needed { Ok(()) } else { Err(broken::<W>(rule, found).found(found).needed(needed)) }
         };
         ends(Rule::NodeOrder, pass.next_node, count(self.nodes.len()))?;
         ends(Rule::LeafOrder, pass.listed, prims.len)?;
@@ -56,20 +59,23 @@ impl View<'_> {
     }
 }
 
-impl Pass<'_, '_> {
+impl<const W: usize> Pass<'_, '_, W>
+where
+    Node<W>: Wide<W>,
+{
     /// Lane by lane, down into each child that is a node, and up again.
     fn run(&mut self) -> Result<(), BlobError> {
         while let Some(step) = self.way.pop() {
-            let node = self.nodes.get(index(step.node)).ok_or(broken(Rule::NodeOrder, step.node))?;
+            let node = self.nodes.get(index(step.node)).ok_or(broken::<W>(Rule::NodeOrder, step.node))?;
             if step.lane >= node.len() {
                 continue;
             }
-            let child = node.child[step.lane % WIDTH];
+            let child = node.child[step.lane % W];
             // There is room: one was taken off.
             let _ = self.way.push(Step { lane: step.lane.saturating_add(1), ..step });
             if child.is_node() {
                 if child.number() != self.next_node {
-                    return Err(broken(Rule::NodeOrder, step.node).found(child.number()).needed(self.next_node));
+                    return Err(broken::<W>(Rule::NodeOrder, step.node).found(child.number()).needed(self.next_node));
                 }
                 self.enter(child.number(), step.below.saturating_add(count(node.len())).saturating_sub(1))?;
             } else {
@@ -88,23 +94,23 @@ impl Pass<'_, '_> {
 
     /// A node: its children stand in the first lanes, with boxes inside its own; the other lanes are empty.
     fn enter(&mut self, number: u32, below: u32) -> Result<(), BlobError> {
-        let node = self.nodes.get(index(number)).ok_or(broken(Rule::NodeOrder, number))?;
+        let node = self.nodes.get(index(number)).ok_or(broken::<W>(Rule::NodeOrder, number))?;
         let (own, len) = (self.own(), node.len());
         let stack = below.saturating_add(count(len));
         let inside = |lane: usize| node.bounds(lane).is_valid() && own.contains(&node.bounds(lane));
-        let rest = Node::EMPTY;
-        let empty = |lane: usize| node.child[lane % WIDTH] == Child::NONE && node.bounds(lane) == rest.bounds(lane);
-        if len < 2 || !(len..WIDTH).all(empty) {
-            return Err(broken(Rule::WideLanes, number));
+        let rest = Node::<W>::EMPTY;
+        let empty = |lane: usize| node.child[lane % W] == Child::NONE && node.bounds(lane) == rest.bounds(lane);
+        if len < 2 || !(len..W).all(empty) {
+            return Err(broken::<W>(Rule::WideLanes, number));
         }
         if !(0..len).all(inside) {
-            return Err(broken(Rule::NodeBounds, number));
+            return Err(broken::<W>(Rule::NodeBounds, number));
         }
         if node.reserved != rest.reserved {
-            return Err(broken(Rule::Reserved, number));
+            return Err(broken::<W>(Rule::Reserved, number));
         }
         if stack > STACK || self.way.push(Step { node: number, lane: 0, below }).is_err() {
-            return Err(broken(Rule::StackTrue, number).found(stack).needed(STACK));
+            return Err(broken::<W>(Rule::StackTrue, number).found(stack).needed(STACK));
         }
         self.next_node = self.next_node.saturating_add(1);
         self.deepest = self.deepest.max(stack);
@@ -116,10 +122,10 @@ impl Pass<'_, '_> {
         let (first, next) = slots(self.prims, leaf);
         let last = first.saturating_add(leaf.len());
         if leaf.number() != self.next_leaf || (first..last).any(|slot| self.prims.get(slot).is_none()) {
-            return Err(broken(Rule::LeafOrder, node).found(leaf.number()).needed(self.next_leaf));
+            return Err(broken::<W>(Rule::LeafOrder, node).found(leaf.number()).needed(self.next_leaf));
         }
         if !self.own().contains(&self.prims.bounds(first, leaf.len())) {
-            return Err(broken(Rule::NodeBounds, node));
+            return Err(broken::<W>(Rule::NodeBounds, node));
         }
         self.next_leaf = next;
         self.listed = self.listed.saturating_add(leaf.len());
@@ -127,6 +133,9 @@ impl Pass<'_, '_> {
     }
 }
 
-const fn broken(rule: Rule, node: u32) -> BlobError {
-    BlobError::new(rule, Section::WideNodes).at(node)
+const fn broken<const W: usize>(rule: Rule, node: u32) -> BlobError
+where
+    Node<W>: Wide<W>,
+{
+    BlobError::new(rule, <Node<W> as Wide<W>>::SECTION).at(node)
 }

@@ -14,7 +14,7 @@
 //! alone, where a ray runs along the plane: then the extreme of the two products is NaN, too, and constrains nothing, as
 //! for the ray.
 use super::many::{Answer, Many};
-use super::{Node, STACK, View, WIDTH};
+use super::{In, Node, STACK, View, Wide};
 use crate::blob::block::{Block, LANES};
 use crate::blob::prims::Prims;
 use crate::bvh::tree::root;
@@ -44,15 +44,18 @@ const PATIENCE_ANY: u32 = 600;
 const NODE_WORK: u32 = 6;
 
 /// A query of up to 64 rays, to be compiled for each instruction set.
-pub(super) struct Group<'q, 'a, 'r, A, const ANY: bool> {
-    pub many: Many<'q, 'a>,
+pub(super) struct Group<'q, 'a, 'r, A, const ANY: bool, const W: usize> {
+    pub many: Many<'q, 'a, W>,
     pub rays: &'r [Ray],
     pub answers: &'r mut [A],
     /// The heading that most of them seem to have.
     pub heading: Heading,
 }
 
-impl<A: Answer, const ANY: bool> Work for Group<'_, '_, '_, A, ANY> {
+impl<A: Answer, const ANY: bool, const W: usize> Work for Group<'_, '_, '_, A, ANY, W>
+where
+    Node<W>: Wide<W>,
+{
     /// The rays that are not answered.
     type Output = u64;
 
@@ -66,7 +69,7 @@ impl<A: Answer, const ANY: bool> Work for Group<'_, '_, '_, A, ANY> {
             let mut team = Team::EMPTY;
             if team.set::<L8>(rays, mine, heading, many.place) {
                 // Also where an unchecked blob contradicts itself: rays that do not come there get an answer.
-                let ok = team.walk::<ANY, L8>(many.view, many.prims, heading, many.fuel).is_ok();
+                let ok = team.walk::<ANY, W, L8, In<W, L8, L4>>(many.view, many.prims, heading, many.fuel).is_ok();
                 let mut slot = 0usize;
                 for (i, answer) in answers.iter_mut().enumerate() {
                     if mine >> i & 1 == 1 {
@@ -218,13 +221,13 @@ impl Team {
 
     /// Which packets may meet a child's box.
     #[inline(always)]
-    fn meet<L: Lanes<8>>(&self, rows: &Rows, node: &Node, lane: usize) -> u32 {
+    fn meet<const W: usize, L: Lanes<8>>(&self, rows: &Rows, node: &Node<W>, lane: usize) -> u32 {
         let (mut near, mut far) = (L::load(&self.t_min), L::load(&self.t));
         for k in 0..3 {
             let (small, large) = (L::load(&self.small[k]), L::load(&self.large[k]));
-            let x = L::splat(node.planes[rows.near[k].at()][lane % WIDTH]) - L::load(&self.near_origin[k]);
+            let x = L::splat(node.planes[rows.near[k].at()][lane % W]) - L::load(&self.near_origin[k]);
             near = (x * small).least(x * large).most(near);
-            let x = L::splat(node.planes[rows.far[k].at()][lane % WIDTH]) - L::load(&self.far_origin[k]);
+            let x = L::splat(node.planes[rows.far[k].at()][lane % W]) - L::load(&self.far_origin[k]);
             far = (x * small).most(x * large).least(far);
         }
         near.le(far)
@@ -232,9 +235,9 @@ impl Team {
 
     /// All rays, node by node.
     #[inline(always)]
-    fn walk<const ANY: bool, L: Lanes<8>>(
+    fn walk<const ANY: bool, const W: usize, L: Lanes<8>, LW: Lanes<W>>(
         &mut self,
-        view: &View<'_>,
+        view: &View<'_, W>,
         prims: &Prims<'_>,
         heading: Heading,
         mut fuel: u32,
@@ -253,16 +256,16 @@ impl Team {
                 let one = packets.is_power_of_two();
                 let (mut maybe, near) = if one {
                     let packet = packets.trailing_zeros();
-                    self.one(packet).meet::<L>(&rows, node, self.t[index(packet) % PACKETS])
+                    self.one(packet).meet::<W, LW>(&rows, node, self.t[index(packet) % PACKETS])
                 } else {
-                    range.meet::<L>(&rows, node, farthest)
+                    range.meet::<W, LW>(&rows, node, farthest)
                 };
                 let near = near.store();
                 let mut sorted = 0usize;
                 while maybe != 0 {
-                    let lane = index(maybe.trailing_zeros()) % WIDTH;
+                    let lane = index(maybe.trailing_zeros()) % W;
                     maybe &= maybe - 1;
-                    let met = if one { packets } else { packets & self.meet::<L>(&rows, node, lane) };
+                    let met = if one { packets } else { packets & self.meet::<W, L>(&rows, node, lane) };
                     if met == 0 {
                         continue;
                     }
@@ -328,7 +331,7 @@ impl Team {
 impl Range {
     /// Which children any ray may meet up to `t_max`, and from which distance on.
     #[inline(always)]
-    pub(super) fn meet<L: Lanes<8>>(&self, rows: &Rows, node: &Node, t_max: f32) -> (u32, L) {
+    pub(super) fn meet<const W: usize, L: Lanes<W>>(&self, rows: &Rows, node: &Node<W>, t_max: f32) -> (u32, L) {
         let (mut near, mut far) = (L::splat(self.t_min), L::splat(t_max));
         let ends = |face: Face, k: usize, origin: f32| {
             let x = L::load(&node.planes[face.at()]) - L::splat(origin);

@@ -1,7 +1,7 @@
 //! Many rays a call: how they are answered.
 use super::group::{AT_ONCE, Group, RAYS};
 use super::packet::Packets;
-use super::{Query, View};
+use super::{Node, Query, View, Wide};
 use crate::blob::prims::Prims;
 use crate::geom::vec::{size, sub};
 use crate::geom::{Hit, Ray};
@@ -40,12 +40,15 @@ impl Answer for bool {
 
 /// A query whose answer goes to its place within the walk: handed back it would be moved as a whole right after it was
 /// written number by number, and waited for.
-struct Placed<'r, 'q, 'a, A, const ANY: bool> {
-    query: Query<'q, 'a, Fuel, ANY>,
+struct Placed<'r, 'q, 'a, A, const ANY: bool, const W: usize> {
+    query: Query<'q, 'a, Fuel, ANY, W>,
     answer: &'r mut A,
 }
 
-impl<A: Answer, const ANY: bool> Work for Placed<'_, '_, '_, A, ANY> {
+impl<A: Answer, const ANY: bool, const W: usize> Work for Placed<'_, '_, '_, A, ANY, W>
+where
+    Node<W>: Wide<W>,
+{
     type Output = ();
 
     #[inline(always)]
@@ -56,15 +59,18 @@ impl<A: Answer, const ANY: bool> Work for Placed<'_, '_, '_, A, ANY> {
 
 /// Where and how rays are answered.
 #[derive(Clone, Copy)]
-pub(crate) struct Many<'q, 'a> {
-    pub view: &'q View<'a>,
+pub(crate) struct Many<'q, 'a, const W: usize> {
+    pub view: &'q View<'a, W>,
     pub prims: &'q Prims<'a>,
     pub place: Place<'q>,
     pub fuel: u32,
     pub isa: Isa,
 }
 
-impl Many<'_, '_> {
+impl<const W: usize> Many<'_, '_, W>
+where
+    Node<W>: Wide<W>,
+{
     /// Answers ray by ray or in groups, as it suits the rays. `answers` are as many as `rays`.
     // Each form is compiled by itself: in one function with groups, rays alone were 8 % slower.
     pub(crate) fn groups<A: Answer, const ANY: bool>(self, rays: &[Ray], answers: &mut [A]) {
@@ -73,7 +79,7 @@ impl Many<'_, '_> {
             if !self.prims.blocks.is_empty()
                 && let Some(heading) = self.shared(rays)
             {
-                alone = self.isa.run(Group::<_, ANY> { many: self, rays, answers, heading });
+                alone = self.isa.run(Group::<_, ANY, W> { many: self, rays, answers, heading });
             }
             self.alone::<A, ANY>(alone, rays, answers);
         }
@@ -84,7 +90,7 @@ impl Many<'_, '_> {
         for (rays, answers) in rays.chunks(of.rays()).zip(answers.chunks_mut(of.rays())) {
             let mut alone = u64::MAX;
             if !self.prims.blocks.is_empty() {
-                alone = self.isa.run(Packets::<_, ANY> { many: self, of, rays, answers });
+                alone = self.isa.run(Packets::<_, ANY, W> { many: self, of, rays, answers });
             }
             self.alone::<A, ANY>(alone, rays, answers);
         }
@@ -96,7 +102,7 @@ impl Many<'_, '_> {
         let Self { view, prims, place: Place { bounds, local }, fuel, isa } = self;
         for (i, (ray, answer)) in rays.iter().zip(answers).enumerate() {
             if which >> i & 1 == 1 {
-                let query = Query::<_, ANY> { view, prims, ray: Given::new(ray), bounds, local, meter: Fuel(fuel) };
+                let query = Query::<_, ANY, W> { view, prims, ray: Given::new(ray), bounds, local, meter: Fuel(fuel) };
                 isa.run(Placed { query, answer });
             }
         }

@@ -4,7 +4,7 @@
 //! Forum 20(3), 2001: a child is entered by those rays that meet it, and a mask says which. What the interval test of all
 //! rays of the packet leaves out (see [`super::group`]) is not tested against each.
 use super::many::{Answer, Many};
-use super::{Node, STACK, WIDTH};
+use super::{In, Node, STACK, Wide};
 use crate::blob::block::LANES;
 use crate::bvh::tree::root;
 use crate::bvh::walk::Rows;
@@ -17,31 +17,34 @@ use crate::walk::lanes::{Lanes, Two, Work};
 use crate::walk::packet::Packet;
 
 /// A packet, to be compiled for each instruction set.
-pub(super) struct Packets<'q, 'a, 'r, A, const ANY: bool> {
-    pub many: Many<'q, 'a>,
+pub(super) struct Packets<'q, 'a, 'r, A, const ANY: bool, const W: usize> {
+    pub many: Many<'q, 'a, W>,
     pub of: PacketSize,
     pub rays: &'r [Ray],
     pub answers: &'r mut [A],
 }
 
-impl<A: Answer, const ANY: bool> Work for Packets<'_, '_, '_, A, ANY> {
+impl<A: Answer, const ANY: bool, const W: usize> Work for Packets<'_, '_, '_, A, ANY, W>
+where
+    Node<W>: Wide<W>,
+{
     /// The rays that are not answered.
     type Output = u64;
 
     #[inline(always)]
     fn run<L8: Lanes<8>, L4: Lanes<4>>(self) -> u64 {
         match self.of {
-            PacketSize::Four => self.answer::<4, L4, L8>(),
-            PacketSize::Eight => self.answer::<8, L8, L8>(),
-            PacketSize::Sixteen => self.answer::<16, Two<L8>, L8>(),
+            PacketSize::Four => self.answer::<4, L4, In<W, L8, L4>>(),
+            PacketSize::Eight => self.answer::<8, L8, In<W, L8, L4>>(),
+            PacketSize::Sixteen => self.answer::<16, Two<L8>, In<W, L8, L4>>(),
         }
     }
 }
 
-impl<A: Answer, const ANY: bool> Packets<'_, '_, '_, A, ANY> {
+impl<A: Answer, const ANY: bool, const W: usize> Packets<'_, '_, '_, A, ANY, W> {
     /// Rays of one heading together, those of the next after them. Returns the rays that are not answered.
     #[inline(always)]
-    fn answer<const N: usize, L: Lanes<N>, L8: Lanes<8>>(self) -> u64 {
+    fn answer<const N: usize, L: Lanes<N>, LW: Lanes<W>>(self) -> u64 {
         let Self { many, rays, answers, .. } = self;
         let (mut left, mut alone) = (u32::MAX >> (32 - rays.len().clamp(1, N)), 0);
         while let Some(first) = rays.get(index(left.trailing_zeros())) {
@@ -65,7 +68,7 @@ impl<A: Answer, const ANY: bool> Packets<'_, '_, '_, A, ANY> {
                 alone |= mine;
                 continue;
             }
-            let ok = walk::<ANY, N, L, L8>(&mut packet, many, heading, mine).is_ok();
+            let ok = walk::<ANY, N, W, L, LW>(&mut packet, many, heading, mine).is_ok();
             for (i, answer) in answers.iter_mut().enumerate() {
                 if mine >> i & 1 == 1 {
                     // As for one ray: what contradicts itself is a miss.
@@ -82,9 +85,9 @@ type Waiting = (Child, f32, u32);
 
 /// Finds the closest hits of the rays, or with `ANY` whether there are any.
 #[inline(always)]
-fn walk<const ANY: bool, const N: usize, L: Lanes<N>, L8: Lanes<8>>(
+fn walk<const ANY: bool, const N: usize, const W: usize, L: Lanes<N>, LW: Lanes<W>>(
     packet: &mut Packet<N>,
-    Many { view, prims, mut fuel, .. }: Many<'_, '_>,
+    Many { view, prims, mut fuel, .. }: Many<'_, '_, W>,
     heading: Heading,
     mine: u32,
 ) -> Result<(), Stop> {
@@ -96,13 +99,13 @@ fn walk<const ANY: bool, const N: usize, L: Lanes<N>, L8: Lanes<8>>(
         if at.is_node() {
             fuel = fuel.checked_sub(1).ok_or(Stop::Fuel)?;
             let node = view.nodes.get(index(at.number())).ok_or(Stop::Corrupt)?;
-            let (mut maybe, near) = range.meet::<L8>(&rows, node, farthest);
+            let (mut maybe, near) = range.meet::<W, LW>(&rows, node, farthest);
             let near = near.store();
             let mut sorted = 0usize;
             while maybe != 0 {
-                let lane = index(maybe.trailing_zeros()) % WIDTH;
+                let lane = index(maybe.trailing_zeros()) % W;
                 maybe &= maybe - 1;
-                let met = rays & meets::<N, L>(packet, &rows, node, lane);
+                let met = rays & meets::<N, W, L>(packet, &rows, node, lane);
                 if met == 0 {
                     continue;
                 }
@@ -142,8 +145,13 @@ fn walk<const ANY: bool, const N: usize, L: Lanes<N>, L8: Lanes<8>>(
 
 /// Which rays meet a child's box.
 #[inline(always)]
-fn meets<const N: usize, L: Lanes<N>>(packet: &Packet<N>, rows: &Rows, node: &Node, lane: usize) -> u32 {
-    let plane = |face: Face| node.planes[face.at()][lane % WIDTH];
+fn meets<const N: usize, const W: usize, L: Lanes<N>>(
+    packet: &Packet<N>,
+    rows: &Rows,
+    node: &Node<W>,
+    lane: usize,
+) -> u32 {
+    let plane = |face: Face| node.planes[face.at()][lane % W];
     let ([nx, ny, nz], [fx, fy, fz]) = (rows.near, rows.far);
     packet.meets::<L>([plane(nx), plane(ny), plane(nz)], [plane(fx), plane(fy), plane(fz)])
 }

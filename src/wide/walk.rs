@@ -3,7 +3,7 @@
 //! The interval of a child is that of [`Prepared::slab`], cut to the ray's: the same steps on each lane, but that extremes are
 //! taken in another order, which changes nothing. Where one child is met, and that is most often so, the walk goes on with it
 //! and nothing else is done; of several the nearest is next, and the others wait, the nearer above the farther.
-use super::{Node, STACK, View, WIDTH, slots};
+use super::{In, Node, STACK, View, Wide, slots};
 use crate::blob::prims::Prims;
 use crate::bvh::tree::root;
 use crate::bvh::walk::Rows;
@@ -16,8 +16,8 @@ use crate::walk::prepare::{Entered, Given, prepare};
 use crate::walk::{Best, Meter, Stop, block, test};
 
 /// A query, to be compiled for each instruction set.
-pub(crate) struct Query<'q, 'a, M, const ANY: bool> {
-    pub view: &'q View<'a>,
+pub(crate) struct Query<'q, 'a, M, const ANY: bool, const W: usize> {
+    pub view: &'q View<'a, W>,
     pub prims: &'q Prims<'a>,
     pub ray: Given,
     pub bounds: &'q Aabb,
@@ -25,12 +25,15 @@ pub(crate) struct Query<'q, 'a, M, const ANY: bool> {
     pub meter: M,
 }
 
-impl<M: Meter, const ANY: bool> Work for Query<'_, '_, M, ANY> {
+impl<M: Meter, const ANY: bool, const W: usize> Work for Query<'_, '_, M, ANY, W>
+where
+    Node<W>: Wide<W>,
+{
     type Output = Result<Option<Hit>, Stop>;
 
     #[inline(always)]
     fn run<L8: Lanes<8>, L4: Lanes<4>>(self) -> Self::Output {
-        if !L8::QUICK {
+        if !In::<W, L8, L4>::QUICK {
             return Slow(self).run::<L8, L4>();
         }
         let Some(entered) = Entered::<L4>::new(&self.ray, self.bounds, self.local) else {
@@ -42,15 +45,18 @@ impl<M: Meter, const ANY: bool> Work for Query<'_, '_, M, ANY> {
         let ray = entered.prepared();
         let (mut best, mut meter) = (Best::new(ray.t_max), self.meter);
         let root = root(self.view.nodes, self.prims.len);
-        walk_with::<ANY, true, L8, L4>(self.view, self.prims, root, &ray, &mut best, &mut meter)?;
+        walk_with::<W, ANY, true, In<W, L8, L4>, L4>(self.view, self.prims, root, &ray, &mut best, &mut meter)?;
         Ok(best.hit())
     }
 }
 
 /// A query on a machine without a quick box test, or whose ray that does not suit.
-struct Slow<'q, 'a, M, const ANY: bool>(Query<'q, 'a, M, ANY>);
+struct Slow<'q, 'a, M, const ANY: bool, const W: usize>(Query<'q, 'a, M, ANY, W>);
 
-impl<M: Meter, const ANY: bool> Work for Slow<'_, '_, M, ANY> {
+impl<M: Meter, const ANY: bool, const W: usize> Work for Slow<'_, '_, M, ANY, W>
+where
+    Node<W>: Wide<W>,
+{
     type Output = Result<Option<Hit>, Stop>;
 
     #[inline(always)]
@@ -58,12 +64,13 @@ impl<M: Meter, const ANY: bool> Work for Slow<'_, '_, M, ANY> {
         let Query { view, prims, ray, bounds, local, mut meter } = self.0;
         let Some(ray) = prepare::<L4>(&ray, bounds, local) else { return Ok(None) };
         let mut best = Best::new(ray.t_max);
-        walk_with::<ANY, false, L8, L4>(view, prims, root(view.nodes, prims.len), &ray, &mut best, &mut meter)?;
+        let root = root(view.nodes, prims.len);
+        walk_with::<W, ANY, false, In<W, L8, L4>, L4>(view, prims, root, &ray, &mut best, &mut meter)?;
         Ok(best.hit().map(|hit| Hit { t: hit.t * ray.unit, ..hit }))
     }
 }
 
-impl View<'_> {
+impl<const W: usize> View<'_, W> {
     /// The walk with what every machine has. Finds the closest hit, or with `ANY` whether there is one; returns whether it
     /// ended at a hit.
     ///
@@ -76,12 +83,12 @@ impl View<'_> {
         best: &mut Best,
         meter: &mut impl Meter,
     ) -> Result<bool, Stop> {
-        walk::<ANY, Row<8>, Row<4>>(self, prims, root(self.nodes, prims.len), ray, best, meter)
+        walk_with::<W, ANY, false, Row<W>, Row<4>>(self, prims, root(self.nodes, prims.len), ray, best, meter)
     }
 }
 
 /// What the box tests of a walk read of the ray, in every lane.
-struct Slabs<L, const QUICK: bool> {
+struct Slabs<const W: usize, L, const QUICK: bool> {
     rows: Rows,
     near_origin: [L; 3],
     far_origin: [L; 3],
@@ -89,7 +96,7 @@ struct Slabs<L, const QUICK: bool> {
     t_min: L,
 }
 
-impl<L: Lanes<WIDTH>, const QUICK: bool> Slabs<L, QUICK> {
+impl<const W: usize, L: Lanes<W>, const QUICK: bool> Slabs<W, L, QUICK> {
     #[inline(always)]
     fn new(ray: &Prepared) -> Self {
         let all = |[x, y, z]: [f32; 3]| [L::splat(x), L::splat(y), L::splat(z)];
@@ -103,7 +110,7 @@ impl<L: Lanes<WIDTH>, const QUICK: bool> Slabs<L, QUICK> {
     }
 
     #[inline(always)]
-    fn plane(node: &Node, face: Face, origin: L, inv: L) -> L {
+    fn plane(node: &Node<W>, face: Face, origin: L, inv: L) -> L {
         (L::load(&node.planes[face.at()]) - origin) * inv
     }
 
@@ -119,7 +126,7 @@ impl<L: Lanes<WIDTH>, const QUICK: bool> Slabs<L, QUICK> {
 
     /// Which children are met up to `t_max`, one bit a lane, and where their intervals begin.
     #[inline(always)]
-    fn test(&self, node: &Node, t_max: f32) -> (u32, L) {
+    fn test(&self, node: &Node<W>, t_max: f32) -> (u32, L) {
         let ([nx, ny, nz], [fx, fy, fz]) = (self.rows.near, self.rows.far);
         let [ix, iy, iz] = self.inv;
         let [x, y, z] = self.near_origin;
@@ -200,33 +207,21 @@ fn pop(rest: &mut Rest) -> Option<Waiting> {
     rest.pop()
 }
 
-/// Finds the closest hit below `from`, or with `ANY` whether there is one. Returns whether the walk ended at a hit.
+/// Finds the closest hit below `from`, or with `ANY` whether there is one; with the quick box test if that is asked for.
+/// Returns whether the walk ended at a hit.
 ///
 /// # Errors
 /// [`Stop`] if the meter runs out or the bytes contradict themselves.
 #[inline(always)]
-pub(super) fn walk<const ANY: bool, L8: Lanes<8>, L4: Lanes<4>>(
-    view: &View<'_>,
+fn walk_with<const W: usize, const ANY: bool, const QUICK: bool, L: Lanes<W>, L4: Lanes<4>>(
+    view: &View<'_, W>,
     prims: &Prims<'_>,
     from: Child,
     ray: &Prepared,
     best: &mut Best,
     meter: &mut impl Meter,
 ) -> Result<bool, Stop> {
-    walk_with::<ANY, false, L8, L4>(view, prims, from, ray, best, meter)
-}
-
-/// The same, with the quick box test if that is asked for.
-#[inline(always)]
-fn walk_with<const ANY: bool, const QUICK: bool, L8: Lanes<8>, L4: Lanes<4>>(
-    view: &View<'_>,
-    prims: &Prims<'_>,
-    from: Child,
-    ray: &Prepared,
-    best: &mut Best,
-    meter: &mut impl Meter,
-) -> Result<bool, Stop> {
-    let slabs = Slabs::<L8, QUICK>::new(ray);
+    let slabs = Slabs::<W, L, QUICK>::new(ray);
     let mut stack = Stack::new();
     let mut at = from;
     let mut t_max = best.t;
@@ -245,7 +240,7 @@ fn walk_with<const ANY: bool, const QUICK: bool, L8: Lanes<8>, L4: Lanes<4>>(
             if met == 0 {
                 break Child::NONE;
             }
-            let first = lane(met);
+            let first = lane::<W>(met);
             let rest = met & (met - 1);
             if rest == 0 {
                 at = node.child[first];
@@ -257,7 +252,7 @@ fn walk_with<const ANY: bool, const QUICK: bool, L8: Lanes<8>, L4: Lanes<4>>(
                 continue;
             }
             let near = near.store();
-            let second = lane(rest);
+            let second = lane::<W>(rest);
             let rest = rest & (rest - 1);
             let (a, b) = if near[second] < near[first] { (second, first) } else { (first, second) };
             stack.push((node.child[b], near[b]))?;
@@ -291,15 +286,15 @@ fn walk_with<const ANY: bool, const QUICK: bool, L8: Lanes<8>, L4: Lanes<4>>(
 
 /// The lowest lane of those whose bits are on.
 #[inline(always)]
-const fn lane(met: u32) -> usize {
-    index(met.trailing_zeros()) % WIDTH
+const fn lane<const W: usize>(met: u32) -> usize {
+    index(met.trailing_zeros()) % W
 }
 
 /// Puts all children but that of the lowest lane on the stack, and takes that.
 #[inline(always)]
-fn others(node: &Node, mut met: u32, stack: &mut Stack) -> Result<Child, Stop> {
+fn others<const W: usize>(node: &Node<W>, mut met: u32, stack: &mut Stack) -> Result<Child, Stop> {
     loop {
-        let high = index(31u32.wrapping_sub(met.leading_zeros())) % WIDTH;
+        let high = index(31u32.wrapping_sub(met.leading_zeros())) % W;
         met &= !(1 << high);
         if met == 0 {
             return Ok(node.child[high]);
@@ -310,10 +305,10 @@ fn others(node: &Node, mut met: u32, stack: &mut Stack) -> Result<Child, Stop> {
 
 /// Puts the children of lanes `rest` among the two on top of the stack, the nearest above the others, and takes that.
 #[inline(always)]
-fn nearest(node: &Node, near: &[f32; WIDTH], mut rest: u32, stack: &mut Stack) -> Result<Child, Stop> {
+fn nearest<const W: usize>(node: &Node<W>, near: &[f32; W], mut rest: u32, stack: &mut Stack) -> Result<Child, Stop> {
     let mut sorted = 2usize;
     while rest != 0 {
-        let lane = lane(rest);
+        let lane = lane::<W>(rest);
         rest &= rest - 1;
         stack.push((node.child[lane], near[lane]))?;
         let mut place = stack.len.wrapping_sub(1);
