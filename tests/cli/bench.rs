@@ -36,7 +36,8 @@ fn whole(file: &Value, structures: &[&str]) {
         spread(&row["miss_nanoseconds"], "a miss");
     }
     for structure in structures {
-        let lanes: Vec<&str> = if *structure == "wide" { Isa::all().map(Isa::name).collect() } else { vec!["-"] };
+        let lanes: Vec<&str> =
+            if structure.starts_with("wide") { Isa::all().map(Isa::name).collect() } else { vec!["-"] };
         for lanes in lanes {
             for mode in ["single", "group"] {
                 assert!(ways.contains(&[*structure, lanes, mode].map(str::to_owned)), "no {structure} {lanes} {mode}");
@@ -66,13 +67,13 @@ fn files_and_structures_are_those_asked_for() {
     folder.ok("build cube.obj -o moved.fray --local 5,6,7");
     std::fs::rename(folder.path("moved.fray"), folder.path("moved.bin")).expect("a file to rename");
     let facts =
-        folder.json("bench cube.fray moved.bin spd:tree:2 --structure bvh,list,wide --rays 64 --rounds 1 --json");
+        folder.json("bench cube.fray moved.bin spd:tree:2 --structure bvh,list,wide,wide4 --rays 64 --rounds 1 --json");
     let files = facts["files"].as_array().expect("files");
     let names: Vec<&str> = files.iter().filter_map(|file| file["file"].as_str()).collect();
     assert_eq!(names, ["cube.fray", "moved.bin", "spd:tree:2"]);
     whole(&files[0], &["bvh"]);
     whole(&files[1], &["bvh"]);
-    whole(&files[2], &["bvh", "list", "wide"]);
+    whole(&files[2], &["bvh", "list", "wide", "wide4"]);
     // As it is, with nothing built; and the same rays, wherever coordinates start.
     for file in &files[..2] {
         assert_eq!((&file["structures"][0]["build_seconds"], &file["primitives"]), (&Value::Null, &12.into()));

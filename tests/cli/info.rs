@@ -63,6 +63,23 @@ fn info_says_what_the_library_says() {
 }
 
 #[test]
+fn info_says_the_width_of_nodes() {
+    let folder = Folder::new("info-width");
+    for (options, width, node) in [("wide", 8, 256), ("wide --width 8", 8, 256), ("wide --width 4", 4, 128)] {
+        folder.ok(&format!("build spd:balls:2 -o b.fray --structure {options}"));
+        let facts = folder.json("info b.fray --json");
+        assert_eq!((&facts["kind"], &facts["width"]), (&json!("wide"), &json!(width)));
+        let section = if width == 4 { "wide4 nodes" } else { "wide nodes" };
+        assert_eq!(facts["sections"][section].as_u64(), facts["nodes"].as_u64().map(|nodes| nodes * node));
+        let said = folder.ok("info b.fray");
+        assert!(said.contains(&format!("width        {width} children of a node at most")), "{said}");
+    }
+    folder.ok("build spd:balls:2 -o b.fray");
+    assert_eq!(folder.json("info b.fray --json")["width"], json!(null));
+    assert!(!folder.ok("info b.fray").contains("width"));
+}
+
+#[test]
 fn info_for_people_has_the_same_numbers() {
     let folder = Folder::with_cube("info-text");
     let (facts, said) = (folder.json("info cube.fray --json"), folder.ok("info cube.fray"));

@@ -2,7 +2,7 @@
 use super::Folder;
 
 /// What can not be meant.
-const WRONG: [&str; 60] = [
+const WRONG: [&str; 64] = [
     "",
     "nosuch",
     "bench",
@@ -27,6 +27,10 @@ const WRONG: [&str; 60] = [
     "build cube.obj -o out --leaf 0",
     "build cube.obj -o out --leaf 16",
     "build cube.obj -o out --structure nosuch",
+    "build cube.obj -o out --structure wide4",
+    "build cube.obj -o out --structure wide --width 5",
+    "build cube.obj -o out --structure bvh --width 4",
+    "build cube.obj -o out --width 8",
     "build cube.obj -o out --rule nosuch",
     "build cube.obj -o out --quality best",
     "build cube.obj -o out --local 1,2",
@@ -97,6 +101,7 @@ const HELP: [(&str, &[&str]); 10] = [
             "--structure",
             "--cells",
             "--threshold",
+            "--width",
             "list",
             "bvh",
             "--rule",
@@ -162,7 +167,7 @@ const HELP: [(&str, &[&str]); 10] = [
             "index.html",
         ],
     ),
-    ("bench", &["FILE", "--structure", "wide", "--rays", "--rounds", "--json"]),
+    ("bench", &["FILE", "--structure", "wide", "wide4", "--rays", "--rounds", "--json"]),
     ("emit", &["--as", "rust", "c", "-o", "--output", "--name", "--section"]),
     ("demo", &["-o", "--output", "--rays", "--json"]),
 ];

@@ -29,6 +29,9 @@ pub struct Args {
     /// octree looks farther ahead by --rule sah. The others have no such limit
     #[arg(long, default_value_t = 8, value_parser = clap::value_parser!(u32).range(1..=15))]
     leaf: u32,
+    /// Most children of a node of wide: nodes of four are half as long. 8 if not given; no other structure has a width
+    #[arg(long, value_parser = PossibleValuesParser::new(["4", "8"]).map(|width| if width == "4" { 4u32 } else { 8 }))]
+    width: Option<u32>,
     /// Cells along the longest side of a grid; 0 leaves it to the rule
     #[arg(long, default_value_t = 0, value_parser = clap::value_parser!(u32).range(..=i64::from(MOST_CELLS)))]
     cells: u32,
@@ -73,6 +76,7 @@ impl Args {
             Split::Sah => Rule::Sah,
         };
         let config = Config::new(self.structure).rule(rule).leaf(self.leaf).local(self.local);
+        let config = config.width(self.width.unwrap_or(0));
         config.cells(self.cells).threshold(self.threshold).quality(self.quality.quality())
     }
 }
@@ -83,7 +87,20 @@ pub fn structures() -> impl TypedValueParser<Value = Kind> {
     PossibleValuesParser::new(KINDS.iter().map(|(_, name)| *name)).map(move |name| kind(&name))
 }
 
+/// The same, and `wide4` for nodes of four.
+pub fn structures_and_widths() -> impl TypedValueParser<Value = (&'static str, Config)> {
+    let all = || {
+        let plain = KINDS.iter().map(|&(kind, name)| (name, Config::new(kind)));
+        plain.chain([("wide4", Config::new(Kind::Wide).width(4))])
+    };
+    let find = move |name: &str| all().find(|(known, _)| *known == name).unwrap_or(("list", Config::new(Kind::List)));
+    PossibleValuesParser::new(all().map(|(name, _)| name)).map(move |name| find(&name))
+}
+
 pub fn run(args: &Args) -> Result<(), Failure> {
+    if args.width.is_some() && args.structure != Kind::Wide {
+        args::usage("--width is for --structure wide");
+    }
     let spinner = super::spinner("reading");
     let soup = input::read_all(&args.inputs)?;
     spinner.set_message("building");

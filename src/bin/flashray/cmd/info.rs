@@ -44,7 +44,7 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     if args.json {
         let sections: serde_json::Map<_, _> = sections.iter().map(|(n, l)| ((*n).to_owned(), json!(l))).collect();
         let facts = json!({
-            "kind": scene.kind().name(), "version": blob.header().version, "bytes": bytes.len(),
+            "kind": scene.kind().name(), "version": blob.header().version, "bytes": bytes.len(), "width": scene.width(),
             "checksum": format!("{:08x}", blob.header().checksum),
             "primitives": scene.len(), "bytes_per_primitive": per_prim,
             "nodes": shape.nodes, "leaves": shape.leaves, "references": shape.listed, "depth": shape.depth, "sah_cost": shape.sah_cost,
@@ -63,6 +63,7 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     ];
     let share = |length: u32| f64::from(length) / prims;
     lines.extend(sections.iter().map(|(name, n)| format!("  {name:<11}{n} ({:.2} a primitive)", share(*n))));
+    lines.extend(scene.width().map(|most| format!("width        {most} children of a node at most")));
     lines.extend([
         format!("nodes        {} with {} leaves or cells, depth {}", shape.nodes, shape.leaves, shape.depth),
         format!("references   {} ({:.2} a primitive)", shape.listed, shape.listed as f64 / prims),

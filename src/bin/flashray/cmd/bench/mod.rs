@@ -20,10 +20,10 @@ pub struct Args {
     /// Blobs, or what `build` takes: OBJ, PLY, STL, glTF or GLB files, or spd:NAME[:SIZE]. Each is a scene of its own
     #[arg(required = true, value_name = "FILE")]
     files: Vec<String>,
-    /// The structures that are built of what is no blob yet; several with commas between
-    #[arg(long, value_name = "NAME,..", value_delimiter = ',', value_parser = super::build::structures(),
+    /// The structures that are built of what is no blob yet; several with commas between. wide4 is wide with nodes of four
+    #[arg(long, value_name = "NAME,..", value_delimiter = ',', value_parser = super::build::structures_and_widths(),
         default_value = "wide,bvh")]
-    structure: Vec<Kind>,
+    structure: Vec<(&'static str, Config)>,
     /// Rays of each kind: camera, diffuse, shadow, chord; from 64 to 10000000
     #[arg(long, default_value_t = 65_536, value_parser = clap::value_parser!(u32).range(64..=10_000_000))]
     rays: u32,
@@ -37,6 +37,8 @@ pub struct Args {
 
 /// A blob of the scene.
 struct Built {
+    /// What its structure is called.
+    name: &'static str,
     blob: Buffer,
     /// None for what was a blob before.
     seconds: Option<f64>,
@@ -44,6 +46,7 @@ struct Built {
 
 /// One way to ask: a structure, its instructions, and how many rays at a time.
 struct Way<'a> {
+    structure: &'static str,
     scene: Scene<'a>,
     mode: Mode,
     /// The name of the instruction set, of those structures that use any.
@@ -53,7 +56,7 @@ struct Way<'a> {
 impl Way<'_> {
     /// What it is called in messages and tables.
     fn name(&self) -> String {
-        [self.scene.kind().name(), self.lanes.unwrap_or("-"), &report::name(self.mode)].join(" ")
+        [self.structure, self.lanes.unwrap_or("-"), &report::name(self.mode)].join(" ")
     }
 }
 
@@ -77,7 +80,7 @@ fn one(name: &str, args: &Args) -> Result<Value, Failure> {
     let first = scenes.first().ok_or("no structure")?;
     let rays = Rays::new(&stage, first, args.rays as usize, Order::Squares);
     let away = kinds::away(first, args.rays as usize);
-    let ways: Vec<Way<'_>> = scenes.iter().flat_map(ways).collect();
+    let ways: Vec<Way<'_>> = built.iter().zip(&scenes).flat_map(|(built, scene)| ways(built.name, scene)).collect();
     let bar = super::progress("measuring", u64::from(args.rounds) * 5 * ways.len() as u64);
     let times = Times::new(&ways, &rays, &away, args.rounds as usize, &bar).map_err(|why| format!("{name}: {why}"))?;
     bar.finish_and_clear();
@@ -91,18 +94,21 @@ fn one(name: &str, args: &Args) -> Result<Value, Failure> {
 }
 
 /// A blob as it is, or each structure of what is to be built.
-fn load(name: &str, structures: &[Kind]) -> Result<(Vec<Built>, Stage), Failure> {
+fn load(name: &str, structures: &[(&'static str, Config)]) -> Result<(Vec<Built>, Stage), Failure> {
     let path = Path::new(name);
     let is_mesh = name.starts_with("spd:") || path.extension().is_some_and(|end| end != "fray");
     if !is_mesh || begins_as_a_blob(path) {
-        return Ok((vec![Built { blob: file::read(path)?, seconds: None }], Stage::default()));
+        let blob = file::read(path)?;
+        // What is no blob is told of when it is checked.
+        let name = Scene::trust(&blob).map_or("", |scene| called(&scene));
+        return Ok((vec![Built { name, blob, seconds: None }], Stage::default()));
     }
     let input = Input::read(name)?;
-    let build = |&kind: &Kind| {
+    let build = |(structure, config): &(&'static str, Config)| {
         let start = Instant::now();
-        let blob = to_vec(&input.soup.mesh(), &Config::new(kind)).map_err(|e| format!("{name}: {e}"))?;
+        let blob = to_vec(&input.soup.mesh(), config).map_err(|e| format!("{name}: {e}"))?;
         let seconds = Some(start.elapsed().as_secs_f64());
-        Ok(Built { blob: Buffer::from(&blob[..]), seconds })
+        Ok(Built { name: structure, blob: Buffer::from(&blob[..]), seconds })
     };
     Ok((structures.iter().map(build).collect::<Result<Vec<_>, Failure>>()?, input.stage))
 }
@@ -112,9 +118,15 @@ fn begins_as_a_blob(path: &Path) -> bool {
     path.is_file() && file::read(path).is_ok_and(|bytes| bytes.get(..4) == Some(&MAGIC.to_le_bytes()[..]))
 }
 
+/// The name of a blob's structure.
+fn called(scene: &Scene<'_>) -> &'static str {
+    if scene.width() == Some(4) { "wide4" } else { scene.kind().name() }
+}
+
 /// Every instruction set in every mode.
-fn ways<'a>(scene: &Scene<'a>) -> Vec<Way<'a>> {
-    let modes = |scene: Scene<'a>, lanes| Mode::value_variants().iter().map(move |&mode| Way { scene, mode, lanes });
+fn ways<'a>(structure: &'static str, scene: &Scene<'a>) -> Vec<Way<'a>> {
+    let modes =
+        |scene: Scene<'a>, lanes| Mode::value_variants().iter().map(move |&mode| Way { structure, scene, mode, lanes });
     if scene.kind() == Kind::Wide {
         let of = |isa: Isa| modes(scene.with_isa(isa), Some(isa.name()));
         Isa::all().flat_map(of).collect()

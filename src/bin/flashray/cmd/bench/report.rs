@@ -54,7 +54,7 @@ pub fn name(mode: Mode) -> String {
 pub fn structure(built: &Built, scene: &Scene<'_>, rays: &Rays) -> Value {
     let bytes = built.blob.len();
     let mut facts = json!({
-        "kind": scene.kind().name(), "bytes": bytes, "build_seconds": built.seconds,
+        "kind": built.name, "bytes": bytes, "build_seconds": built.seconds,
         "bytes_per_primitive": bytes as f64 / f64::from(scene.len().max(1)),
     });
     for (i, (kind, rays)) in KINDS.iter().zip(&rays.kinds).enumerate() {
@@ -74,7 +74,7 @@ pub fn structure(built: &Built, scene: &Scene<'_>, rays: &Rays) -> Value {
 
 /// How fast a way is.
 pub fn way(way: &Way<'_>, times: Rounds) -> Value {
-    let mut facts = json!({ "kind": way.scene.kind().name(), "lanes": way.lanes, "mode": name(way.mode) });
+    let mut facts = json!({ "kind": way.structure, "lanes": way.lanes, "mode": name(way.mode) });
     for (kind, times) in KINDS.iter().zip(times.kinds) {
         facts["mrays_per_second"][kind] = spread(times.iter().map(|ns| 1e3 / ns.max(1e-6)).collect());
     }
