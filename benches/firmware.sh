@@ -5,7 +5,7 @@
 #
 # Code is what a program grows by if it parses and walks this structure alone (`examples/firmware/src/only.rs`): the
 # list's is the tests of a ray against every kind of primitive, which all others have in them too.
-# KINDS="bvh grid" takes only these.
+# KINDS="bvh grid" takes only these; "wide4" is wide with nodes of four.
 set -euo pipefail
 root=$(cd "$(dirname "$0")/.." && pwd)
 target=${CARGO_TARGET_DIR:-$root/target}
@@ -19,8 +19,9 @@ kinds=${KINDS:-$(grep -o '(Kind::[A-Za-z]*, "[a-z]*")' "$root/src/blob/header.rs
 
 # The blob of input $1 in structure $2 as a module for the firmware.
 scene() {
-  "$flashray" build "$1" -o "$work/scene.fray" --structure "$2" >/dev/null
-  local section=()
+  local section=() width=()
+  if [ "$2" = wide4 ]; then width=(--width 4); fi
+  "$flashray" build "$1" -o "$work/scene.fray" --structure "${2%4}" "${width[@]}" >/dev/null
   if [ "$(stat -c %s "$work/scene.fray")" -gt 3500000 ]; then section=(--section .xip); fi
   "$flashray" emit "$work/scene.fray" --as rust -o "$work/scene.rs" "${section[@]}" >/dev/null
 }

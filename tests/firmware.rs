@@ -91,7 +91,7 @@ fn each_structure_links_alone() {
         return;
     }
     let module = &scenes("balls")[0].module;
-    for (_, kind) in KINDS {
+    for kind in KINDS.iter().map(|(_, kind)| *kind).chain(["wide4"]) {
         let mut build = cargo("examples/firmware", "firmware");
         build.args(["build", "--release", "--locked", "--target", M4F, "--features", "only", "--bin", "only"]);
         succeed(build.env("FLASHRAY_SCENE", module).env("FLASHRAY_ONLY", kind));

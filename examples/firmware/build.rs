@@ -52,7 +52,11 @@ fn only() -> String {
         "" => String::from("let _ = black_box((blob, prims, ray, best, fuel, none)); Ok(Ok(false))"),
         "list" => String::from("let _ = (blob, none); Ok(flashray::list::walk::<false>(prims, ray, best, fuel))"),
         "bvh" => format!("{parse} let _ = none; Ok(flashray::bvh::walk::<false>(&view, prims, ray, best, fuel))"),
-        "wide" => format!("{parse} let _ = none; Ok(view.walk::<false>(prims, ray, best, fuel))"),
+        "wide" | "wide4" => {
+            let width = if kind == "wide" { 8 } else { 4 };
+            let parse = format!("let view = flashray::wide::View::<{width}>::parse(blob)?;");
+            format!("{parse} let _ = none; Ok(view.walk::<false>(prims, ray, best, fuel))")
+        }
         "sphere" => format!("{parse} let _ = none; Ok(view.walk::<false>(prims, ray, best, fuel))"),
         _ => format!("{parse} Ok(view.walk::<false>(prims, ray, best, fuel, none))"),
     };

@@ -151,8 +151,8 @@ pub struct Fixture {
     pub answer: (String, u32),
 }
 
-/// All scenes, made once: two inputs in every structure by both rules (voxels have a form for each), a blob in external
-/// flash, and bunny where its mesh is.
+/// All scenes, made once: two inputs in every structure by both rules (voxels have a form for each) and in nodes of four,
+/// a blob in external flash, and bunny where its mesh is.
 pub static FIXTURES: LazyLock<Vec<Fixture>> = LazyLock::new(|| {
     let bunny = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/meshes/bunny.obj");
     let mut fixtures = Vec::new();
@@ -162,6 +162,7 @@ pub static FIXTURES: LazyLock<Vec<Fixture>> = LazyLock::new(|| {
             let rules = if *kind == Kind::List { &["sah"][..] } else { &["seed", "sah"] };
             fixtures.extend(rules.iter().map(|rule| blob(image, input, [name, rule], None)));
         }
+        fixtures.push(blob(image, input, ["wide4", "sah"], None));
         assert_both_forms(image, &fixtures);
     }
     fixtures.push(blob("xip", "spd:balls:2", ["bvh", "sah"], Some(".xip")));
@@ -187,13 +188,15 @@ pub static FIXTURES: LazyLock<Vec<Fixture>> = LazyLock::new(|| {
     fixtures
 });
 
-/// Makes one scene, by structure and rule; its answer comes later.
+/// Makes one scene, by structure, or wide4 for nodes of four, and rule; its answer comes later.
 fn blob(image: &'static str, input: &str, [structure, rule]: [&str; 2], section: Option<&str>) -> Fixture {
     let tmp = Path::new(env!("CARGO_TARGET_TMPDIR"));
     let name = format!("{image}-{structure}-{rule}");
     let (blob, module) = (tmp.join(&name).with_extension("fray"), tmp.join(&name).with_extension("rs"));
     let flashray = || Command::new(env!("CARGO_BIN_EXE_flashray"));
-    succeed(flashray().args(["build", input, "--structure", structure, "--rule", rule, "-o"]).arg(&blob));
+    let (structure, width) = if structure == "wide4" { ("wide", &["--width", "4"][..]) } else { (structure, &[][..]) };
+    let build = ["build", input, "--structure", structure, "--rule", rule, "-o"];
+    succeed(flashray().args(build).arg(&blob).args(width));
     let size = blob.metadata().expect("a blob's size").len();
     let section = section.or((size > INTERNAL_FLASH).then_some(".xip"));
     let section = section.map_or(vec![], |s| vec!["--section", s]);
