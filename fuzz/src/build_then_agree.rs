@@ -6,9 +6,9 @@ use crate::judge::{Judge, same};
 use crate::rays::{Number, Spec, specs};
 use arbitrary::{Arbitrary, Result, Unstructured};
 use flashray::blob::Buffer;
-use flashray::build::{Arena, BuildError, Config, Mesh, Needs, Ref, Rule, What, into, to_vec};
+use flashray::build::{Arena, BuildError, Config, Mesh, Needs, Ref, What, into, to_vec};
 use flashray::bvh::Node;
-use flashray::{Aabb, Cone, Cylinder, Hit, Kind, Ray, Scene, Sphere};
+use flashray::{Aabb, Cone, Cylinder, Hit, Ray, Scene, Sphere};
 use std::cell::RefCell;
 use std::sync::atomic::{AtomicU32, Ordering};
 
@@ -169,7 +169,7 @@ fn attempt(u: &mut Unstructured<'_>) -> Result<()> {
     let rays = specs(u, RAYS)?;
     let soup = Soup::new(u, style)?;
     let mesh = soup.mesh();
-    let config = |(kind, rule)| Config::new(kind).rule(rule).leaf(leaf).cells(cells).local(local);
+    let config = |build: Config| build.leaf(leaf).cells(cells).local(local);
     let blobs: Vec<_> = builds().map(|build| to_vec(&mesh, &config(build))).collect();
     let mut first: Option<Answers> = None;
     for (build, blob) in builds().zip(&blobs) {
@@ -187,7 +187,7 @@ fn attempt(u: &mut Unstructured<'_>) -> Result<()> {
 }
 
 /// A built blob is accepted, keeps its promises, and answers as the first structure, the list, did.
-fn agree(blob: &[u8], specs: &[Spec], first: &mut Option<Answers>, build: (Kind, Rule)) {
+fn agree(blob: &[u8], specs: &[Spec], first: &mut Option<Answers>, build: Config) {
     let scene = Scene::from_bytes(blob).unwrap_or_else(|e| panic!("{build:?} was built and then refused: {e}"));
     let judge = Judge::new(scene, blob);
     let asked = first.get_or_insert_with(|| {

@@ -15,9 +15,11 @@ pub struct Good {
 const COUNTS: [usize; 6] = [0, 1, 2, 15, 16, 100];
 
 /// Every way to build, the list first: it has no rule.
-pub fn builds() -> impl Iterator<Item = (Kind, Rule)> {
+pub fn builds() -> impl Iterator<Item = Config> {
     let rules = |kind| if kind == Kind::List { &[Rule::Sah][..] } else { &[Rule::Seed, Rule::Sah] };
-    KINDS.iter().flat_map(move |&(kind, _)| rules(kind).iter().map(move |&rule| (kind, rule)))
+    let four = Config::new(Kind::Wide).width(4);
+    let all = KINDS.iter().map(|&(kind, _)| Config::new(kind)).chain([four]);
+    all.flat_map(move |config| rules(config.kind).iter().map(move |&rule| config.rule(rule)))
 }
 
 /// All of them, built once.
@@ -25,12 +27,13 @@ pub fn all() -> &'static [Good] {
     static ALL: OnceLock<Vec<Good>> = OnceLock::new();
     ALL.get_or_init(|| {
         let mut all = Vec::new();
-        for (kind, rule) in builds() {
-            let name = format!("{}-{rule:?}", kind.name()).to_lowercase();
+        for build in builds() {
+            let width = if build.width == 4 { "4" } else { "" };
+            let name = format!("{}{width}-{:?}", build.kind.name(), build.rule).to_lowercase();
             for (count, mixed) in COUNTS.into_iter().flat_map(|n| [(n, false), (n, true)]) {
-                let config = Config::new(kind).rule(rule).leaf(if mixed { 3 } else { 8 });
+                let config = build.leaf(if mixed { 3 } else { 8 });
                 let name = format!("{name}-{}{count}", if mixed { "mixed" } else { "triangles" });
-                let blob = build(&config, count, mixed);
+                let blob = blob(&config, count, mixed);
                 all.push(Good { name, bytes: Buffer::from(&blob[..]) });
             }
         }
@@ -45,7 +48,7 @@ pub fn pick(which: u8) -> &'static Good {
     &all[usize::from(which) % all.len()]
 }
 
-fn build(config: &Config, count: usize, mixed: bool) -> Vec<u8> {
+fn blob(config: &Config, count: usize, mixed: bool) -> Vec<u8> {
     let mut random = Random(count as u64);
     let mut point = || [0, 1, 2].map(|_| f32::from(random.below(64)) / 4.0);
     let share = if mixed { count.div_ceil(5) } else { count };
