@@ -62,7 +62,7 @@ pub fn run(args: &Args) -> Result<(), Failure> {
         format!("primitives   {}", scene.len()),
     ];
     let share = |length: u32| f64::from(length) / prims;
-    lines.extend(sections.iter().map(|(name, n)| format!("  {name:<11}{n} ({:.2} a primitive)", share(*n))));
+    lines.extend(sections.iter().map(|(name, n)| format!("  {name:<10} {n} ({:.2} a primitive)", share(*n))));
     lines.extend(scene.width().map(|most| format!("width        {most} children of a node at most")));
     lines.extend([
         format!("nodes        {} with {} leaves or cells, depth {}", shape.nodes, shape.leaves, shape.depth),
