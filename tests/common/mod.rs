@@ -44,8 +44,7 @@ pub fn configs() -> Vec<Config> {
         Config::new(Kind::Wide).leaf(1),
         Config::new(Kind::Wide).quality(Quality::High),
         Config::new(Kind::Wide).width(4),
-        Config::new(Kind::Wide).width(4).rule(Rule::Seed),
-        Config::new(Kind::Wide).width(4).leaf(1).quality(Quality::Fast),
+        Config::new(Kind::Wide).width(4).rule(Rule::Seed).leaf(1),
     ]
 }
 
