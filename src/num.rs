@@ -28,6 +28,13 @@ pub const fn count(n: usize) -> u32 {
     if n > index(u32::MAX) { u32::MAX } else { n as u32 }
 }
 
+/// The lowest 8 bits.
+#[inline(always)]
+#[must_use]
+pub const fn byte(n: usize) -> u8 {
+    n as u8
+}
+
 /// A count as a weight in a cost formula; exact to 2^24 and rounded beyond.
 #[cfg(feature = "build")]
 #[inline]

@@ -14,6 +14,7 @@ use crate::num::index;
 use crate::walk::{Best, Meter, Stop, test};
 
 /// What the box tests of a walk read of the ray: for each axis the row of the nearer and of the farther plane.
+#[derive(Clone, Copy)]
 pub(crate) struct Rows {
     pub(crate) near: [Face; 3],
     pub(crate) far: [Face; 3],

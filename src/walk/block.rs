@@ -6,9 +6,72 @@ use super::lanes::Lanes;
 use super::{Best, Meter, Stop};
 use crate::blob::block::Block;
 use crate::geom::hit::Crossing;
-use crate::geom::ray::Prepared;
+use crate::geom::ray::{Axis, Prepared};
 use crate::geom::triangle::{LEAST_DET, MOST_CANCELLED, MOST_DET};
+use crate::geom::vec::Vec3;
 use crate::num::index;
+
+/// What the test reads of a ray, wherever that stands.
+pub trait Aim: Copy {
+    /// `kx`, `ky` and `kz` of [`Prepared`].
+    fn axes(self) -> [Axis; 3];
+    /// `turned` of [`Prepared`].
+    fn turned(self) -> Vec3;
+    /// `shear` of [`Prepared`].
+    fn shear(self) -> [f32; 2];
+    /// `near_origin` of [`Prepared`].
+    fn near_origin(self) -> Vec3;
+    /// `far_origin` of [`Prepared`].
+    fn far_origin(self) -> Vec3;
+    /// `inv` of [`Prepared`].
+    fn inv(self) -> Vec3;
+    /// `inv_kz` of [`Prepared`].
+    fn inv_kz(self) -> f32;
+    /// `t_min` of [`Prepared`].
+    fn t_min(self) -> f32;
+    /// All of it.
+    fn prepared(self) -> Prepared;
+}
+
+impl Aim for &Prepared {
+    #[inline(always)]
+    fn axes(self) -> [Axis; 3] {
+        [self.kx, self.ky, self.kz]
+    }
+    #[inline(always)]
+    fn turned(self) -> Vec3 {
+        self.turned
+    }
+    #[inline(always)]
+    /// `shear` of [`Prepared`].
+    fn shear(self) -> [f32; 2] {
+        self.shear
+    }
+    #[inline(always)]
+    fn near_origin(self) -> Vec3 {
+        self.near_origin
+    }
+    #[inline(always)]
+    fn far_origin(self) -> Vec3 {
+        self.far_origin
+    }
+    #[inline(always)]
+    fn inv(self) -> Vec3 {
+        self.inv
+    }
+    #[inline(always)]
+    fn inv_kz(self) -> f32 {
+        self.inv_kz
+    }
+    #[inline(always)]
+    fn t_min(self) -> f32 {
+        self.t_min
+    }
+    #[inline(always)]
+    fn prepared(self) -> Prepared {
+        *self
+    }
+}
 
 /// A corner of four triangles in the ray's frame.
 #[derive(Clone, Copy)]
@@ -20,10 +83,11 @@ struct Sheared<L> {
 
 impl<L: Lanes<4>> Sheared<L> {
     #[inline(always)]
-    fn new(corner: &[[f32; 4]; 3], ray: &Prepared) -> Self {
-        let z = L::load(&corner[ray.kz.at()]) - L::splat(ray.turned[2]);
-        let x = L::load(&corner[ray.kx.at()]) - L::splat(ray.turned[0]) - L::splat(ray.shear[0]) * z;
-        let y = L::load(&corner[ray.ky.at()]) - L::splat(ray.turned[1]) - L::splat(ray.shear[1]) * z;
+    fn new(corner: &[[f32; 4]; 3], ray: impl Aim) -> Self {
+        let ([kx, ky, kz], turned, shear) = (ray.axes(), ray.turned(), ray.shear());
+        let z = L::load(&corner[kz.at()]) - L::splat(turned[2]);
+        let x = L::load(&corner[kx.at()]) - L::splat(turned[0]) - L::splat(shear[0]) * z;
+        let y = L::load(&corner[ky.at()]) - L::splat(turned[1]) - L::splat(shear[1]) * z;
         Self { x, y, z }
     }
 
@@ -42,7 +106,7 @@ impl<L: Lanes<4>> Sheared<L> {
 pub fn test<const ANY: bool, L: Lanes<4>>(
     blocks: &[Block],
     (first, len): (u32, u32),
-    ray: &Prepared,
+    ray: impl Aim,
     best: &mut Best,
     meter: &mut impl Meter,
 ) -> Result<bool, Stop> {
@@ -66,7 +130,7 @@ pub fn test<const ANY: bool, L: Lanes<4>>(
 
 /// Tests the triangles in those lanes of a block whose bits are on.
 #[inline(always)]
-fn one<const ANY: bool, L: Lanes<4>>(block: &Block, lanes: u32, ray: &Prepared, best: &mut Best) -> bool {
+fn one<const ANY: bool, L: Lanes<4>>(block: &Block, lanes: u32, ray: impl Aim, best: &mut Best) -> bool {
     let [a, b, c] = &block.corners;
     let (a, b, c) = (Sheared::<L>::new(a, ray), Sheared::<L>::new(b, ray), Sheared::<L>::new(c, ray));
     let (pa, pb, pc) = (b.products(c), c.products(a), a.products(b));
@@ -90,7 +154,7 @@ fn one<const ANY: bool, L: Lanes<4>>(block: &Block, lanes: u32, ray: &Prepared, 
     let mut odd = maybe & !clear;
     while odd != 0 {
         // By value both ways: a ray and a best hit that nobody points to can stay in registers.
-        let (hit, after) = again(block, index(odd.trailing_zeros()), *ray, *best);
+        let (hit, after) = again(block, index(odd.trailing_zeros()), ray.prepared(), *best);
         found |= hit;
         *best = after;
         odd &= odd - 1;
@@ -99,12 +163,12 @@ fn one<const ANY: bool, L: Lanes<4>>(block: &Block, lanes: u32, ray: &Prepared, 
         return true;
     }
     let (near, far) = slab::<L>(block, ray);
-    let t = depth / det * L::splat(ray.inv_kz);
+    let t = depth / det * L::splat(ray.inv_kz());
     let t = far.least(near.most(t)) + zero;
     let mut good = maybe
         & clear
         & near.le(far)
-        & L::splat(ray.t_min).le(t)
+        & L::splat(ray.t_min()).le(t)
         & t.le(L::splat(best.t))
         & t.abs().lt(L::splat(f32::INFINITY));
     if good == 0 {
@@ -128,17 +192,18 @@ fn one<const ANY: bool, L: Lanes<4>>(block: &Block, lanes: u32, ray: &Prepared, 
 
 /// The slab test of the triangles' own boxes.
 #[inline(always)]
-fn slab<L: Lanes<4>>(block: &Block, ray: &Prepared) -> (L, L) {
+fn slab<L: Lanes<4>>(block: &Block, ray: impl Aim) -> (L, L) {
     let [a, b, c] = &block.corners;
     let (mut near, mut far) = (L::splat(f32::NEG_INFINITY), L::splat(f32::INFINITY));
+    let (near_origin, far_origin, inv) = (ray.near_origin(), ray.far_origin(), ray.inv());
     let mut axis = |k: usize| {
         let (a, b, c) = (L::load(&a[k]), L::load(&b[k]), L::load(&c[k]));
         let (min, max) = (c.least(b.least(a)), c.most(b.most(a)));
-        let inv = L::splat(ray.inv[k]);
+        let inv = L::splat(inv[k]);
         // Not branched on: which way rays go is as good as random.
         let (first, last) = min.exchanged(max, inv.negative());
-        near = ((first - L::splat(ray.near_origin[k])) * inv).most(near);
-        far = ((last - L::splat(ray.far_origin[k])) * inv).least(far);
+        near = ((first - L::splat(near_origin[k])) * inv).most(near);
+        far = ((last - L::splat(far_origin[k])) * inv).least(far);
     };
     axis(0);
     axis(1);

@@ -1,10 +1,12 @@
 //! Many rays a call: how they are answered.
 use super::group::{AT_ONCE, Group, RAYS};
 use super::packet::Packets;
+use super::stream::{Crowd, Stream};
 use super::{Node, Query, View, Wide};
 use crate::blob::prims::Prims;
 use crate::geom::vec::{size, sub};
 use crate::geom::{Hit, Ray};
+use crate::num::count;
 use crate::walk::heading::{Heading, PacketSize};
 use crate::walk::lanes::{Lanes, Work};
 use crate::walk::packet::Place;
@@ -13,6 +15,10 @@ use crate::walk::{Fuel, Isa};
 
 /// Of eight rays so many must have one heading.
 const MOST: usize = 6;
+/// So many rays make a stream.
+const STREAM: u32 = 8;
+/// The longest spell without a try of groups, in groups.
+const SPELL: u32 = 16;
 /// From a ray to one an eighth of the group on, so many steps of seven may be far.
 const FAR_STEPS: usize = 1;
 /// A step in place is far from this share of the scene on, and one in direction from this share of its largest part.
@@ -71,17 +77,58 @@ impl<const W: usize> Many<'_, '_, W>
 where
     Node<W>: Wide<W>,
 {
-    /// Answers ray by ray or in groups, as it suits the rays. `answers` are as many as `rays`.
+    /// Answers in groups or streams or ray by ray, as it suits the rays. `answers` are as many as `rays`.
     // Each form is compiled by itself: in one function with groups, rays alone were 8 % slower.
     pub(crate) fn groups<A: Answer, const ANY: bool>(self, rays: &[Ray], answers: &mut [A]) {
-        for (rays, answers) in rays.chunks(RAYS).zip(answers.chunks_mut(RAYS)) {
-            let mut alone = u64::MAX;
-            if !self.prims.blocks.is_empty()
-                && let Some(heading) = self.shared(rays)
-            {
-                alone = self.isa.run(Group::<_, ANY, W> { many: self, rays, answers, heading });
+        let mut chunks = rays.chunks(RAYS).zip(answers.chunks_mut(RAYS));
+        while let Some((rays, answers)) = chunks.next() {
+            let left = self.group::<A, ANY>(rays, answers);
+            if left.count_ones() >= STREAM && !self.prims.blocks.is_empty() {
+                return self.streams::<A, ANY>((left, rays, answers), chunks);
             }
-            self.alone::<A, ANY>(alone, rays, answers);
+            self.alone::<A, ANY>(left, rays, answers);
+        }
+    }
+
+    /// Tries up to 64 rays as a group. Returns those that are not answered.
+    #[inline(always)]
+    fn group<A: Answer, const ANY: bool>(self, rays: &[Ray], answers: &mut [A]) -> u64 {
+        match self.shared(rays) {
+            Some(heading) if !self.prims.blocks.is_empty() => {
+                self.isa.run(Group::<_, ANY, W> { many: self, rays, answers, heading })
+            }
+            _ => u64::MAX >> (RAYS - rays.len().clamp(1, RAYS)),
+        }
+    }
+
+    /// Answers all that is left of a call, some of which is not fit for groups. It has a stream's scratch, which a call
+    /// of groups alone need not set to nothing.
+    #[inline(never)]
+    fn streams<'r, A: Answer + 'r, const ANY: bool>(
+        self,
+        first: (u64, &'r [Ray], &'r mut [A]),
+        rest: impl Iterator<Item = (&'r [Ray], &'r mut [A])>,
+    ) {
+        let mut crowd = Crowd::EMPTY;
+        let (mut pause, mut spell) = (1u32, 1);
+        let first = core::iter::once(first);
+        // Where a group was of no use the next are not tried for a spell, each twice as long as that before.
+        let rest = rest.map(|(rays, answers)| (u64::MAX, rays, answers));
+        for (mut left, rays, answers) in first.chain(rest) {
+            let all = u64::MAX >> (RAYS - rays.len().clamp(1, RAYS));
+            left &= all;
+            if left == all {
+                pause = pause.saturating_sub(1);
+                if pause == 0 {
+                    left = self.group::<A, ANY>(rays, answers);
+                    spell = if left.count_ones() * 2 > count(rays.len()) { (spell * 2).min(SPELL) } else { 1 };
+                    pause = spell;
+                }
+            }
+            if left.count_ones() >= STREAM {
+                left = self.isa.run(Stream::<_, ANY, W> { many: self, rays, answers, which: left, crowd: &mut crowd });
+            }
+            self.alone::<A, ANY>(left, rays, answers);
         }
     }
 

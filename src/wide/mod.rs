@@ -31,6 +31,7 @@ mod check;
 mod group;
 mod many;
 mod packet;
+mod stream;
 mod walk;
 
 pub(crate) use many::{Answer, Many};

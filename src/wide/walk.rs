@@ -9,6 +9,7 @@ use crate::bvh::tree::root;
 use crate::bvh::walk::Rows;
 use crate::bvh::{Child, Face};
 use crate::geom::ray::Prepared;
+use crate::geom::vec::Vec3;
 use crate::geom::{Aabb, Hit};
 use crate::num::index;
 use crate::walk::lanes::{Lanes, Row, Work};
@@ -87,8 +88,18 @@ impl<const W: usize> View<'_, W> {
     }
 }
 
+/// What the box test reads of a ray.
+#[derive(Clone, Copy)]
+pub(super) struct Slab {
+    pub near_origin: Vec3,
+    pub far_origin: Vec3,
+    pub inv: Vec3,
+    pub t_min: f32,
+    pub rows: Rows,
+}
+
 /// What the box tests of a walk read of the ray, in every lane.
-struct Slabs<const W: usize, L, const QUICK: bool> {
+pub(super) struct Slabs<const W: usize, L, const QUICK: bool> {
     rows: Rows,
     near_origin: [L; 3],
     far_origin: [L; 3],
@@ -99,11 +110,23 @@ struct Slabs<const W: usize, L, const QUICK: bool> {
 impl<const W: usize, L: Lanes<W>, const QUICK: bool> Slabs<W, L, QUICK> {
     #[inline(always)]
     fn new(ray: &Prepared) -> Self {
+        Self::of(&Slab {
+            near_origin: ray.near_origin,
+            far_origin: if QUICK { farther(ray) } else { ray.far_origin },
+            inv: ray.inv,
+            t_min: ray.t_min,
+            rows: Rows::new(ray),
+        })
+    }
+
+    /// Of a ray whose numbers stand elsewhere.
+    #[inline(always)]
+    pub(super) fn of(ray: &Slab) -> Self {
         let all = |[x, y, z]: [f32; 3]| [L::splat(x), L::splat(y), L::splat(z)];
         Self {
-            rows: Rows::new(ray),
+            rows: ray.rows,
             near_origin: all(ray.near_origin),
-            far_origin: all(if QUICK { farther(ray) } else { ray.far_origin }),
+            far_origin: all(ray.far_origin),
             inv: all(ray.inv),
             t_min: L::splat(ray.t_min),
         }
@@ -126,7 +149,7 @@ impl<const W: usize, L: Lanes<W>, const QUICK: bool> Slabs<W, L, QUICK> {
 
     /// Which children are met up to `t_max`, one bit a lane, and where their intervals begin.
     #[inline(always)]
-    fn test(&self, node: &Node<W>, t_max: f32) -> (u32, L) {
+    pub(super) fn test(&self, node: &Node<W>, t_max: f32) -> (u32, L) {
         let ([nx, ny, nz], [fx, fy, fz]) = (self.rows.near, self.rows.far);
         let [ix, iy, iz] = self.inv;
         let [x, y, z] = self.near_origin;
@@ -154,7 +177,7 @@ fn farther(ray: &Prepared) -> [f32; 3] {
 }
 
 /// A child that waits, and the distance at which its box begins.
-type Waiting = (Child, f32);
+pub(super) type Waiting = (Child, f32);
 
 type Rest = heapless::Vec<Waiting, { index(STACK) - TOP }>;
 
@@ -286,7 +309,7 @@ fn walk_with<const W: usize, const ANY: bool, const QUICK: bool, L: Lanes<W>, L4
 
 /// The lowest lane of those whose bits are on.
 #[inline(always)]
-const fn lane<const W: usize>(met: u32) -> usize {
+pub(super) const fn lane<const W: usize>(met: u32) -> usize {
     index(met.trailing_zeros()) % W
 }
 
