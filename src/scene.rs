@@ -7,6 +7,7 @@ use crate::blob::{Blob, BlobError, Kind, Rule, Section};
 use crate::geom::ray::Prepared;
 use crate::geom::{Aabb, Hit, Ray};
 use crate::structure::Structure;
+use crate::walk::lanes;
 use crate::walk::mailbox::{Mailbox, NoMailbox};
 use crate::walk::prepare::Given;
 use crate::walk::{Best, Fuel, Isa, Meter, Part, Steps, Stop, Tally};
@@ -235,7 +236,9 @@ impl<'a> Scene<'a> {
         if self.prims.len == 0 {
             return Ok(None);
         }
-        if let Structure::Wide(view) = &self.structure {
+        if lanes::HERE
+            && let Structure::Wide(view) = &self.structure
+        {
             let (prims, bounds, local) = (&self.prims, self.bounds, &self.local);
             let ray = Given::new(ray);
             return self.isa.run(wide::Query::<_, ANY, 8> { view, prims, ray, bounds, local, meter });
@@ -256,8 +259,9 @@ impl<'a> Scene<'a> {
             Structure::Octree(view) => view.walk::<ANY>(&self.prims, &ray, &mut best, &mut meter, mailbox)?,
             Structure::Bsp(view) => view.walk::<ANY>(&self.prims, &ray, &mut best, &mut meter, mailbox)?,
             Structure::Sphere(view) => view.walk::<ANY>(&self.prims, &ray, &mut best, &mut meter)?,
-            // Answered above, in one piece for each instruction set.
-            Structure::Wide(_) | Structure::Wide4(_) => false,
+            // With lanes it is answered above, in one piece for each instruction set.
+            Structure::Wide(view) => !lanes::HERE && view.walk::<ANY>(&self.prims, &ray, &mut best, &mut meter)?,
+            Structure::Wide4(_) => false,
         };
         Ok(best.hit().map(|hit| Hit { t: hit.t * ray.unit, ..hit }))
     }

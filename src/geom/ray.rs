@@ -1,6 +1,7 @@
 //! Rays, and what is computed once per ray.
 use super::aabb::Aabb;
 use super::vec::{Vec3, add_scaled, least, most, scale, size, sub};
+use crate::walk::lanes;
 
 /// A ray: the points `origin + t dir` for `t` in `[t_min, t_max]`, both ends included.
 ///
@@ -92,6 +93,9 @@ pub(crate) const SMALL: f32 = 1.0 / 1_267_650_600_228_229_401_496_703_205_376.0;
 /// What a tiny direction is multiplied by, so that its inverse does not overflow.
 const SCALE: f32 = 18_446_744_073_709_551_616.0; // 2^64
 
+/// How often [`Prepared`] has its origin turned.
+pub(crate) const TURNED: usize = if lanes::HERE { 1 } else { 0 };
+
 /// A ray that makes sense, with what every test of it shares.
 #[derive(Clone, Copy, Debug)]
 pub struct Prepared {
@@ -109,9 +113,9 @@ pub struct Prepared {
     pub(crate) kz: Axis,
     pub(crate) kx: Axis,
     pub(crate) ky: Axis,
-    /// `origin` on `kx`, `ky` and `kz`. A value of its own, like the next: an index that is not constant would keep all
-    /// of this in memory.
-    pub(crate) turned: Vec3,
+    /// `origin` on `kx`, `ky` and `kz`, once or not at all. A value of its own, like the next: an index that is not constant
+    /// would keep all of this in memory. Small machines have no registers to keep it in, and are faster without.
+    pub(crate) turned: [Vec3; TURNED],
     /// `inv` on `kz`.
     pub(crate) inv_kz: f32,
     /// `dir` on `kx` and `ky` over `dir` on `kz`: at most 1 in size.
@@ -163,13 +167,20 @@ impl Prepared {
             kz,
             kx,
             ky,
-            turned: [origin[kx.at()], origin[ky.at()], origin[kz.at()]],
+            turned: [[origin[kx.at()], origin[ky.at()], origin[kz.at()]]; TURNED],
             inv_kz: inv[kz.at()],
             shear: [dir[kx.at()] * inv[kz.at()], dir[ky.at()] * inv[kz.at()]],
             t_min,
             t_max,
             unit,
         })
+    }
+
+    /// The origin on `kx`, `ky` and `kz`.
+    #[inline(always)]
+    pub(crate) fn turned(&self) -> Vec3 {
+        let o = &self.origin;
+        self.turned.first().copied().unwrap_or([o[self.kx.at()], o[self.ky.at()], o[self.kz.at()]])
     }
 
     /// *The* slab test: the padded interval of `t` in which the whole line is inside the box; empty if the first

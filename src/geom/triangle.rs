@@ -49,9 +49,9 @@ struct Sheared {
 impl Sheared {
     #[inline(always)]
     fn new(v: Vec3, ray: &Prepared) -> Self {
-        let z = v[ray.kz.at()] - ray.turned[2];
-        let x = v[ray.kx.at()] - ray.turned[0];
-        let y = v[ray.ky.at()] - ray.turned[1];
+        let z = v[ray.kz.at()] - ray.turned()[2];
+        let x = v[ray.kx.at()] - ray.turned()[0];
+        let y = v[ray.ky.at()] - ray.turned()[1];
         Self { x: x - ray.shear[0] * z, y: y - ray.shear[1] * z, z }
     }
 

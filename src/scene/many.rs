@@ -4,6 +4,7 @@ use crate::geom::{Hit, Ray};
 use crate::num::count;
 use crate::structure::Structure;
 use crate::walk::group::{RAYS, Rays};
+use crate::walk::lanes;
 use crate::walk::mailbox::NoMailbox;
 use crate::walk::packet::Place;
 use crate::walk::{Fuel, Isa, PacketSize, Steps, Tally};
@@ -156,6 +157,12 @@ impl Scene<'_> {
         let (Some(rays), Some(answers)) = (rays.get(..len), answers.get_mut(..len)) else { return };
         if self.prims.len == 0 {
             return answers.iter_mut().for_each(|answer| *answer = A::new(None));
+        }
+        if !lanes::HERE {
+            for (ray, answer) in rays.iter().zip(answers) {
+                *answer = A::new(self.query::<ANY>(ray, Fuel(self.fuel), &mut NoMailbox).unwrap_or(None));
+            }
+            return;
         }
         let (prims, place) = (&self.prims, Place { bounds: self.bounds, local: &self.local });
         let many = wide::Many { view, prims, place, fuel: self.fuel, isa: self.isa };

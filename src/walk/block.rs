@@ -2,9 +2,10 @@
 //!
 //! On each lane the steps are those of [`Triangle::crossing`](crate::geom::Triangle::crossing), in the same order, so the answers
 //! have the same bits. A lane for which `f32` is not enough goes to the one-triangle test.
-use super::lanes::Lanes;
+use super::lanes::{self, Lanes};
 use super::{Best, Meter, Stop};
 use crate::blob::block::Block;
+use crate::geom::Triangle;
 use crate::geom::hit::Crossing;
 use crate::geom::ray::{Axis, Prepared};
 use crate::geom::triangle::{LEAST_DET, MOST_CANCELLED, MOST_DET};
@@ -31,6 +32,8 @@ pub trait Aim: Copy {
     fn t_min(self) -> f32;
     /// All of it.
     fn prepared(self) -> Prepared;
+    /// The one-triangle test.
+    fn meets(self, triangle: &Triangle, t_max: f32) -> Option<Crossing>;
 }
 
 impl Aim for &Prepared {
@@ -40,7 +43,7 @@ impl Aim for &Prepared {
     }
     #[inline(always)]
     fn turned(self) -> Vec3 {
-        self.turned
+        self.turned()
     }
     #[inline(always)]
     /// `shear` of [`Prepared`].
@@ -70,6 +73,10 @@ impl Aim for &Prepared {
     #[inline(always)]
     fn prepared(self) -> Prepared {
         *self
+    }
+    #[inline(always)]
+    fn meets(self, triangle: &Triangle, t_max: f32) -> Option<Crossing> {
+        triangle.crossing(self, t_max)
     }
 }
 
@@ -118,7 +125,12 @@ pub fn test<const ANY: bool, L: Lanes<4>>(
     loop {
         let block = blocks.next().ok_or(Stop::Corrupt)?;
         let lanes = if left < 4 { (1 << left) - 1 } else { 15 };
-        if one::<ANY, L>(block, lanes, ray, best) {
+        let over = if lanes::HERE {
+            one::<ANY, L>(block, lanes, ray, best)
+        } else {
+            each::<ANY>(block, left.min(4), ray, best)
+        };
+        if over {
             return Ok(true);
         }
         if left <= 4 {
@@ -185,6 +197,20 @@ fn one<const ANY: bool, L: Lanes<4>>(block: &Block, lanes: u32, ray: impl Aim, b
         good &= good - 1;
         if t[lane] <= best.t {
             best.offer(Crossing { t: t[lane], u: u[lane], v: v[lane], enters: true }, block.ids[lane]);
+        }
+    }
+    false
+}
+
+/// Tests the first `len` triangles of a block, one after another.
+#[inline(always)]
+fn each<const ANY: bool>(block: &Block, len: u32, ray: impl Aim, best: &mut Best) -> bool {
+    for lane in 0..index(len) {
+        if let Some(crossing) = ray.meets(&block.triangle(lane), best.t) {
+            best.offer(crossing, block.ids[lane % 4]);
+            if ANY {
+                return true;
+            }
         }
     }
     false

@@ -237,7 +237,7 @@ impl<const N: usize> Packet<N> {
             kz: heading.kz,
             kx,
             ky,
-            turned: [origin[kx.at()], origin[ky.at()], origin[heading.kz.at()]],
+            turned: [[origin[kx.at()], origin[ky.at()], origin[heading.kz.at()]]; _],
             inv_kz: inv[heading.kz.at()],
             shear: [self.shear[0][i], self.shear[1][i]],
             t_min: self.t_min[i],

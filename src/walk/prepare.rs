@@ -121,7 +121,7 @@ impl<L: Lanes<4>> Entered<L> {
             kz,
             kx,
             ky,
-            turned: [origins[kx.at()], origins[ky.at()], origins[kz.at()]],
+            turned: [[origins[kx.at()], origins[ky.at()], origins[kz.at()]]; _],
             inv_kz,
             shear: [dirs[kx.at()] * inv_kz, dirs[ky.at()] * inv_kz],
             t_min: self.t_min,

@@ -28,6 +28,7 @@
 #[cfg(feature = "build")]
 pub mod build;
 mod check;
+mod each;
 mod group;
 mod many;
 mod packet;

@@ -260,7 +260,7 @@ impl Bundle {
             kz,
             kx,
             ky,
-            turned,
+            turned: [turned; _],
             inv_kz: at(&self.inv_kz),
             shear: [at(&self.shear[0]), at(&self.shear[1])],
             t_min: at(&self.t_min),

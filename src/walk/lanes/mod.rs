@@ -166,6 +166,10 @@ const LEVELS: &[(Level, &str)] = &[
     (Level::Avx2, "avx2"),
 ];
 
+/// Whether this architecture has instructions for lanes at all. Where it has none, walks do one thing after another, and only
+/// what counts: that is less code, and quicker.
+pub(crate) const HERE: bool = LEVELS.len() > 1;
+
 impl Level {
     /// Whether this machine has it: asked at run time with `std`, which remembers the answer, else what the build targets.
     fn is_here(self) -> bool {

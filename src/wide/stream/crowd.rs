@@ -4,9 +4,10 @@
 //! have the same bits.
 use super::RAYS;
 use crate::bvh::walk::Rows;
-use crate::geom::ray::{Axis, ORIGIN_PAD, PAD, Prepared, SMALL};
+use crate::geom::hit::Crossing;
+use crate::geom::ray::{Axis, ORIGIN_PAD, PAD, Prepared, SMALL, TURNED};
 use crate::geom::vec::Vec3;
-use crate::geom::{Aabb, Ray};
+use crate::geom::{Aabb, Ray, Triangle};
 use crate::walk::Best;
 use crate::walk::block::Aim;
 use crate::walk::lanes::Lanes;
@@ -247,6 +248,10 @@ impl Aim for One<'_> {
     fn t_min(self) -> f32 {
         of(&self.rays.t_min, self.i)
     }
+    #[inline(always)]
+    fn meets(self, triangle: &Triangle, t_max: f32) -> Option<Crossing> {
+        triangle.crossing(&self.prepared(), t_max)
+    }
     // Seldom needed, and much of it for nothing else.
     #[cold]
     #[inline(never)]
@@ -261,7 +266,7 @@ impl Aim for One<'_> {
             kz,
             kx,
             ky,
-            turned: self.turned(),
+            turned: [self.turned(); TURNED],
             inv_kz: self.inv_kz(),
             shear: self.shear(),
             t_min: self.t_min(),
