@@ -1,6 +1,6 @@
 //! Owned bytes at an address that suits a blob.
-use alloc::vec;
 use alloc::vec::Vec;
+use bytemuck::allocation::{try_zeroed_vec, zeroed_vec};
 use bytemuck::{Pod, Zeroable};
 use core::ops::{Deref, DerefMut};
 
@@ -26,7 +26,12 @@ impl Buffer {
     /// So many bytes, all 0.
     #[must_use]
     pub fn zeroed(len: usize) -> Self {
-        Self { lines: vec![Line([0; 64]); len.div_ceil(64)], len }
+        Self { lines: zeroed_vec(len.div_ceil(64)), len }
+    }
+
+    /// The same; `None` if there is no memory for so many.
+    pub(crate) fn try_zeroed(len: usize) -> Option<Self> {
+        Some(Self { lines: try_zeroed_vec(len.div_ceil(64)).ok()?, len })
     }
 }
 

@@ -132,8 +132,21 @@ impl<'a> Mesh<'a> {
     }
 }
 
+/// 2^-40: far more than what rounding in f64 can do.
+const CLEAR: f64 = 1.0 / 1_099_511_627_776.0;
+
 /// Whether the corners are not on one line, exactly. True for NaN, which is not this function's to judge.
 fn has_area([a, b, c]: [Vec3; 3]) -> bool {
+    // Most are told by their normal. In f64 its two products, of differences, are wrong by 2^-51 at most; so it is not 0
+    // where they differ by more. A NaN is left to the rest.
+    let (p, q) = ([0, 1, 2].map(|k| wide(b[k]) - wide(a[k])), [0, 1, 2].map(|k| wide(c[k]) - wide(a[k])));
+    let clear = |i: usize, j: usize| {
+        let (left, right) = (p[i] * q[j], p[j] * q[i]);
+        (left - right).abs() > (left.abs() + right.abs()) * CLEAR
+    };
+    if clear(0, 1) || clear(1, 2) || clear(2, 0) {
+        return true;
+    }
     // Products of two f32 are exact in f64.
     let product = |p: Vec3, i: usize, q: Vec3, j: usize| wide(p[i]) * wide(q[j]);
     let cross = |i: usize, j: usize| {

@@ -20,7 +20,7 @@ pub use error::{BuildError, What};
 pub use input::Input;
 pub use mesh::Mesh;
 #[cfg(feature = "alloc")]
-pub use owned::to_vec;
+pub use owned::{to_buffer, to_vec};
 pub use refs::Ref;
 pub use sah::{NODE_COST, NODE_COST_TUBES};
 

@@ -94,7 +94,7 @@ pub(crate) const SMALL: f32 = 1.0 / 1_267_650_600_228_229_401_496_703_205_376.0;
 const SCALE: f32 = 18_446_744_073_709_551_616.0; // 2^64
 
 /// How often [`Prepared`] has its origin turned.
-pub(crate) const TURNED: usize = if lanes::HERE { 1 } else { 0 };
+const TURNED: usize = if lanes::HERE { 1 } else { 0 };
 
 /// A ray that makes sense, with what every test of it shares.
 #[derive(Clone, Copy, Debug)]

@@ -236,13 +236,14 @@ pub fn build<'n>(
     let unit = 1.0 / size(sub(bounds.max, bounds.min));
     let none = Known { nodes: &[], forests: &[], width: config.children(), lanes, unit };
     plan(Known { nodes: nodes.get(..made).unwrap_or(&[]), ..none }, forests, bounds, config.leaf);
-    let tree = Tree::new(refs, Known { nodes: nodes.get(..made).unwrap_or(&[]), forests, ..none });
-    if tree.stack > STACK {
+    let tree = Tree::new(refs, Known { nodes: nodes.get(..made).unwrap_or(&[]), forests, ..none }, None);
+    let stack = Some(tree.stack).filter(|&stack| stack <= STACK);
+    if stack.is_none() {
         // Rare: primitives of very unlike sizes. A tree halved by count is never deep.
         made = bvh::build::halved(refs, nodes, bounds)?;
         plan(Known { nodes: nodes.get(..made).unwrap_or(&[]), ..none }, forests, bounds, config.leaf);
     }
-    Ok(Tree::new(refs, Known { nodes: nodes.get(..made).unwrap_or(&[]), forests, ..none }))
+    Ok(Tree::new(refs, Known { nodes: nodes.get(..made).unwrap_or(&[]), forests, ..none }, stack))
 }
 
 /// The best forests of all nodes of `tree`, in which none is known yet; leaves have at most `leaf` primitives.
@@ -284,14 +285,15 @@ enum Met {
 }
 
 impl<'n> Tree<'n> {
-    fn new(refs: &'n [Ref], known: Known<'n>) -> Self {
+    /// To find the deepest stack, if it is not known, takes a walk over all nodes.
+    fn new(refs: &'n [Ref], known: Known<'n>, stack: Option<u32>) -> Self {
         let all = count(refs.len());
         let mut tree = Self { refs, known, len: 0, blocks: all.div_ceil(known.lanes), stack: 0 };
         let root = known.forests.first().filter(|f| !known.nodes.is_empty() && f.how(1) == 0);
         if let Some(root) = root {
             (tree.len, tree.blocks) = (root.nodes, root.blocks);
-            tree.stack =
-                tree.met().fold(0, |deepest, met| if let Met::Node(_, n) = met { deepest.max(n) } else { deepest });
+            let deepest = |most: u32, met| if let Met::Node(_, n) = met { most.max(n) } else { most };
+            tree.stack = stack.unwrap_or_else(|| tree.met().fold(0, deepest));
         }
         tree
     }

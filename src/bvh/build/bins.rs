@@ -268,8 +268,8 @@ impl Scale<'_> {
 fn swept(run: &mut [Ref], scale: &Scale<'_>, whole: f32) -> Parted {
     let n = run.len();
     let (mut least, mut place) = (whole, None);
-    for axis in 0..3 {
-        let order = sorted(run, axis);
+    let orders = [sorted(run, 0), sorted(run, 1), sorted(run, 2)];
+    for (axis, order) in orders.iter().enumerate() {
         let order = order.get(..n)?;
         let bin = |key: i64| run.get(place_of(key)).map_or(Bin::EMPTY, Bin::of);
         let mut after = [0.0; SWEPT];
@@ -288,7 +288,7 @@ fn swept(run: &mut [Ref], scale: &Scale<'_>, whole: f32) -> Parted {
         }
     }
     let (axis, at) = place?;
-    let order = sorted(run, axis);
+    let order = orders[axis % 3];
     let mut copy = [Ref::zeroed(); SWEPT];
     copy.get_mut(..n)?.copy_from_slice(run);
     for (r, key) in run.iter_mut().zip(order) {

@@ -5,7 +5,7 @@
 use super::RAYS;
 use crate::bvh::walk::Rows;
 use crate::geom::hit::Crossing;
-use crate::geom::ray::{Axis, ORIGIN_PAD, PAD, Prepared, SMALL, TURNED};
+use crate::geom::ray::{Axis, ORIGIN_PAD, PAD, Prepared, SMALL};
 use crate::geom::vec::Vec3;
 use crate::geom::{Aabb, Ray, Triangle};
 use crate::walk::Best;
@@ -266,7 +266,7 @@ impl Aim for One<'_> {
             kz,
             kx,
             ky,
-            turned: [self.turned(); TURNED],
+            turned: [self.turned(); _],
             inv_kz: self.inv_kz(),
             shear: self.shear(),
             t_min: self.t_min(),
