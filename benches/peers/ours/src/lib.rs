@@ -4,7 +4,7 @@
 //! who asks for nothing, so it stands in a library of its own that is built with the default flags and opened at run
 //! time. A call takes thousands of rays; what it costs is nothing beside them.
 use flashray::blob::Buffer;
-use flashray::build::{Config, Mesh, to_vec};
+use flashray::build::{Config, Mesh, to_buffer};
 use flashray::walk::Isa;
 use flashray::{Kind, Scene};
 use std::ffi::{CString, c_char};
@@ -120,21 +120,23 @@ pub extern "C" fn flashray_rows() -> *const c_char {
 /// Builds the structure of a row; null if it can not be built. `bytes` becomes the size of the blob.
 ///
 /// # Safety
-/// `triangles` has `count` of them, and `bytes` can be written.
+/// `triangles` has `count` of them, `numbers` those of each one's corners, and `bytes` can be written.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn flashray_build(
     row: usize,
     triangles: *const [[f32; 3]; 3],
+    numbers: *const [u32; 3],
     count: usize,
     bytes: *mut usize,
 ) -> *mut Handle {
     // SAFETY: as the caller promises.
-    let corners = unsafe { std::slice::from_raw_parts(triangles, count) }.as_flattened();
-    let numbers: Vec<[u32; 3]> = (0..count as u32).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect();
-    let Some(Ok(blob)) = ROWS.get(row).map(|row| to_vec(&Mesh::new(corners, &numbers), &(row.config)())) else {
+    let (corners, numbers) = unsafe {
+        (std::slice::from_raw_parts(triangles, count).as_flattened(), std::slice::from_raw_parts(numbers, count))
+    };
+    let Some(Ok(blob)) = ROWS.get(row).map(|row| to_buffer(&Mesh::new(corners, numbers), &(row.config)())) else {
         return std::ptr::null_mut();
     };
-    let blob = Box::into_raw(Box::new(Buffer::from(&blob[..])));
+    let blob = Box::into_raw(Box::new(blob));
     // SAFETY: it came from `into_raw`, and lives until the handle is dropped, after the scene's last use.
     let read: &'static Buffer = unsafe { &*blob };
     // SAFETY: as the caller promises.
