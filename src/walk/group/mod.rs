@@ -29,11 +29,11 @@ const AT_ONCE: usize = 8;
 /// So often in a group.
 const CHUNKS: usize = RAYS / AT_ONCE;
 /// With so many rays left, each goes on alone.
-const FEW: u32 = 3;
+const FEW: u32 = 2;
 /// Fewer rays are no group.
 const LEAST: usize = 8;
 /// Rays are near to each other if so many times the box of their origins is no longer than the scene.
-const NEAR: f32 = 4.0;
+const NEAR: f32 = 2.0;
 
 /// Most numbers in all lists: those of as many nodes as can wait, and the last.
 const LISTED: usize = RAYS * (index(MAX_STACK) + 2);
