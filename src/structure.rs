@@ -1,6 +1,7 @@
 //! The structure of a blob, whichever it is.
 use crate::blob::prims::Prims;
 use crate::blob::{Blob, BlobError, Kind};
+use crate::bvh::group::Boxes;
 use crate::geom::Aabb;
 use crate::walk::group::{Group, Rays};
 use crate::walk::{Isa, Part, Stop, Tally};
@@ -119,7 +120,7 @@ impl<'a> Structure<'a> {
         let (prims, bounds) = (rays.prims, rays.bounds);
         match self {
             Self::Bvh(view) => {
-                isa.run(Group::<_, ANY, LISTS> { tree: bvh::group::Boxes { view, prims, bounds }, rays, meter })?;
+                isa.run(Group::<_, ANY, LISTS> { tree: Boxes { nodes: view.nodes, prims, bounds }, rays, meter })?;
             }
             Self::Octree(view) => {
                 isa.run(Group::<_, ANY, LISTS> { tree: octree::group::Cells { view, prims }, rays, meter })?;
@@ -128,7 +129,7 @@ impl<'a> Structure<'a> {
                 isa.run(Group::<_, ANY, LISTS> { tree: bsp::group::Cells { view, prims }, rays, meter })?;
             }
             Self::Sphere(view) => {
-                isa.run(Group::<_, ANY, LISTS> { tree: sphere::group::Spheres { view, prims, bounds }, rays, meter })?;
+                isa.run(Group::<_, ANY, LISTS> { tree: Boxes { nodes: view.nodes, prims, bounds }, rays, meter })?;
             }
             _ => return Ok(false),
         }

@@ -51,7 +51,7 @@ const MOST_PAD: f32 = 10_141_204_801_825_835_211_973_625_643_008.0; // 2^103
 const UNDERFLOW: f32 = 4.0 * f32::from_bits(1); // 2^-147
 
 /// What the sphere tests of a walk read of the ray.
-pub(super) struct Line {
+pub(crate) struct Line {
     origin: Vec3,
     /// The direction over its largest component.
     dir: Vec3,
