@@ -10,6 +10,9 @@ use crate::walk::packet::Place;
 use crate::walk::{Fuel, Isa, PacketSize, Steps, Tally};
 use crate::wide;
 
+/// Whether compilers make vectors of loops for this machine.
+const LOOPS: bool = cfg!(any(target_feature = "sse2", target_feature = "neon", target_feature = "simd128"));
+
 impl Scene<'_> {
     /// [`Scene::closest_hit`] for many rays: `hits[i]` becomes the answer to `rays[i]`. Of two lengths the lesser
     /// counts.
@@ -126,8 +129,9 @@ impl Scene<'_> {
         // All that a group and each of its rays may spend.
         let mut tally = Tally { fuel: Fuel(fuel.saturating_mul(count(RAYS).saturating_add(1))), steps: *steps };
         let group = Rays { prims, rays, hits: &mut *hits, bounds, local };
-        // Without lanes a group saves fetches and no time: then only those who count get one.
-        let worth = COUNTED || self.isa != Isa::SCALAR;
+        // Where not even compilers have lanes, a group saves fetches and no time; where only they do, it does if its rays are
+        // alike. Those who count get one always.
+        let worth = COUNTED || self.isa != Isa::SCALAR || LOOPS && group.are_alike();
         if !worth || self.structure.group::<ANY, LISTS>(group, self.isa, &mut tally) != Ok(true) {
             // One by one; also where an unchecked blob contradicts itself: those that do not come there get an answer.
             for (ray, hit) in rays.iter().zip(hits) {

@@ -19,11 +19,11 @@ const NONE: Each = [[0.0; AT_ONCE]; CHUNKS];
 /// The rays of a group.
 pub(super) struct Bundle {
     /// As in [`Prepared`], mirrored.
-    near_origin: [Each; 3],
-    far_origin: [Each; 3],
-    inv: [Each; 3],
+    pub(super) near_origin: [Each; 3],
+    pub(super) far_origin: [Each; 3],
+    pub(super) inv: [Each; 3],
     /// 1, or -1 where an axis is mirrored.
-    sign: [Each; 3],
+    pub(super) sign: [Each; 3],
     /// As in [`Prepared`].
     pub(super) turned: [Each; 3],
     pub(super) shear: [Each; 2],
@@ -39,6 +39,8 @@ pub(super) struct Bundle {
     is_nearer: bool,
     /// The extremes of the group, if the signs of all are alike.
     range: Option<Range>,
+    /// Where the rays start.
+    pub(super) origins: Aabb,
 }
 
 impl Bundle {
@@ -58,6 +60,7 @@ impl Bundle {
             common: [None; CHUNKS],
             is_nearer: false,
             range: None,
+            origins: Aabb::EMPTY,
         }
     }
 
@@ -85,7 +88,6 @@ impl Bundle {
         let inv = [one / dir[0], one / dir[1], one / dir[2]];
         let reach = [reach(origin[0], bounds, 0), reach(origin[1], bounds, 1), reach(origin[2], bounds, 2)];
         let extent = reach[2].most(reach[1].most(reach[0])) * L::splat(PAD);
-        let mut common = Some([false; 3]);
         for k in 0..3 {
             let infinite = L::splat(f32::INFINITY);
             good &= given[k].abs().lt(infinite) & sizes[k].lt(infinite);
@@ -97,21 +99,12 @@ impl Bundle {
             self.inv[k][chunk] = (inv[k] * sign).store();
             self.sign[k][chunk] = sign.store();
         }
-        for k in 0..3 {
-            let negative = dir[k].lt(zero) & good;
-            common = common.filter(|_| negative == 0 || negative == good);
-            if let Some(signs) = &mut common {
-                signs[k] = negative != 0;
-            }
-        }
-        self.common[chunk] = common;
         self.t_min[chunk] = t_min.store();
         self.t[chunk] = t_max.store();
         let third = sizes[1].most(sizes[0]).lt(sizes[2]) & good;
         let second = sizes[0].lt(sizes[1]) & good & !third;
-        for (k, lanes) in [good & !second & !third, second, third].into_iter().enumerate() {
-            self.steepest[k] |= u64::from(lanes) << (chunk * AT_ONCE);
-        }
+        let negative = [dir[0].lt(zero), dir[1].lt(zero), dir[2].lt(zero)];
+        self.note(chunk, good, negative, [good & !second & !third, second, third]);
         if third == good {
             self.turn(chunk, Axis::Z, &origin, &dir, &inv);
         } else if second == good {
@@ -126,25 +119,20 @@ impl Bundle {
         good
     }
 
-    /// Puts a ray into its place. They come in order, from 0.
+    /// What the rays of a chunk have in common: of the good ones those that go down along each axis, and those that are
+    /// steepest along it.
     #[inline(always)]
-    pub(super) fn put(&mut self, i: usize, ray: &Prepared) {
-        let (chunk, lane) = (i / AT_ONCE % CHUNKS, i % AT_ONCE);
+    pub(super) fn note(&mut self, chunk: usize, good: u32, negative: [u32; 3], steepest: [u32; 3]) {
+        let mut common = Some([false; 3]);
         for k in 0..3 {
-            let sign = if ray.negative[k] { -1.0 } else { 1.0 };
-            self.near_origin[k][chunk][lane] = ray.near_origin[k] * sign;
-            self.far_origin[k][chunk][lane] = ray.far_origin[k] * sign;
-            self.inv[k][chunk][lane] = ray.inv[k] * sign;
-            self.sign[k][chunk][lane] = sign;
+            let negative = negative[k] & good;
+            common = common.filter(|_| negative == 0 || negative == good);
+            if let Some(signs) = &mut common {
+                signs[k] = negative != 0;
+            }
+            self.steepest[k] |= u64::from(steepest[k]) << (chunk * AT_ONCE);
         }
-        self.t_min[chunk][lane] = ray.t_min;
-        self.t[chunk][lane] = ray.t_max;
-        let signs = Some(ray.negative);
-        if lane == 0 {
-            self.common[chunk] = signs;
-        } else if self.common[chunk] != signs {
-            self.common[chunk] = None;
-        }
+        self.common[chunk % CHUNKS] = common;
     }
 
     /// What triangle tests read of a chunk whose rays are steepest along `kz`.
@@ -296,9 +284,8 @@ fn ends<L: Lanes<8>>(each: &Each, len: usize) -> (f32, f32) {
     if !L::AT_ONCE {
         // By lanes here too, so that no step waits for the one before.
         let (mut low, mut high) = ([f32::INFINITY; AT_ONCE], [f32::NEG_INFINITY; AT_ONCE]);
-        for (chunk, row) in each.iter().enumerate().take(chunks) {
-            let left = len.saturating_sub(chunk.saturating_mul(AT_ONCE));
-            for ((low, high), &x) in low.iter_mut().zip(&mut high).zip(row).take(left) {
+        for row in each.iter().take(chunks) {
+            for ((low, high), &x) in low.iter_mut().zip(&mut high).zip(row) {
                 (*low, *high) = (least(x, *low), most(x, *high));
             }
         }

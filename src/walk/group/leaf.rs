@@ -15,17 +15,22 @@ use crate::walk::leaf::crossing;
 use crate::walk::{Best, Meter, Stop, Tally};
 
 /// What a triangle test found, by lanes.
-struct Found {
+pub(super) struct Found {
     /// Lanes that hit.
-    good: u32,
+    pub(super) good: u32,
     /// Lanes that are to be tested alone.
-    odd: u32,
-    t: [f32; AT_ONCE],
-    u: [f32; AT_ONCE],
-    v: [f32; AT_ONCE],
+    pub(super) odd: u32,
+    pub(super) t: [f32; AT_ONCE],
+    pub(super) u: [f32; AT_ONCE],
+    pub(super) v: [f32; AT_ONCE],
 }
 
-const NOTHING: Found = Found { good: 0, odd: 0, t: [0.0; AT_ONCE], u: [0.0; AT_ONCE], v: [0.0; AT_ONCE] };
+impl Found {
+    pub(super) const NOTHING: Self = Self { good: 0, odd: 0, t: [0.0; AT_ONCE], u: [0.0; AT_ONCE], v: [0.0; AT_ONCE] };
+}
+
+/// So many rays of a chunk are tested together where there are no lanes.
+const WORTH: u32 = 2;
 
 /// A corner of a triangle in the frames of eight rays.
 #[derive(Clone, Copy)]
@@ -65,7 +70,7 @@ impl Bundle {
         let zero = L::splat(0.0);
         let maybe = lanes & !(low.lt(zero) & zero.lt(high));
         if maybe == 0 {
-            return NOTHING;
+            return Found::NOTHING;
         }
         let det = wa + wb + wc;
         let depth = wa * a.z + wb * b.z + wc * c.z;
@@ -139,7 +144,7 @@ impl State {
     fn mixed<const ANY: bool>(&mut self, prims: &Prims<'_>, slot: u32, rays: u64) -> Result<u64, Stop> {
         let mut done = 0;
         for i in each(rays) {
-            let ray = self.rays.get(i).copied().unwrap_or_else(|| self.bundle.ray(i));
+            let ray = self.bundle.ray(i);
             if let Some(found) = crossing(prims, slot, &ray, self.best[i % RAYS].t)? {
                 self.offer(i / AT_ONCE, i % AT_ONCE, found, prims.id(slot));
                 done |= u64::from(ANY) << i;
@@ -157,19 +162,6 @@ impl State {
         rays: u64,
     ) -> u64 {
         let mut done = 0;
-        if !L::AT_ONCE {
-            for i in each(rays) {
-                let (Some(ray), Some(best)) = (self.rays.get(i), self.best.get_mut(i)) else { continue };
-                if let Some(crossing) = triangle.crossing(ray, best.t) {
-                    best.offer(crossing, prims.id(slot));
-                    self.bundle.set_t(i, best.t);
-                    if ANY {
-                        done |= 1 << i;
-                    }
-                }
-            }
-            return done;
-        }
         for kz in Axis::ALL {
             let rays = rays & self.bundle.steepest[kz.at()];
             if rays == 0 {
@@ -180,7 +172,12 @@ impl State {
                 if lanes == 0 {
                     continue;
                 }
-                let found = self.bundle.test::<L>(chunk, lanes, kz, triangle);
+                let found = match () {
+                    () if L::AT_ONCE => self.bundle.test::<L>(chunk, lanes, kz, triangle),
+                    // In loops those are not worth all eight.
+                    () if lanes.count_ones() < WORTH => Found { odd: lanes, ..Found::NOTHING },
+                    () => self.bundle.test_in_loops(chunk, lanes, kz, triangle),
+                };
                 for lane in each(u64::from(found.good)) {
                     let (t, u, v) = (found.t[lane % AT_ONCE], found.u[lane % AT_ONCE], found.v[lane % AT_ONCE]);
                     self.offer(chunk, lane, Crossing { t, u, v, enters: true }, prims.id(slot));

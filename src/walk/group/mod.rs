@@ -11,16 +11,24 @@
 //! same, whoever else is in the group.
 mod bundle;
 mod leaf;
+mod lists;
+mod loops;
+mod rays;
+mod tree;
+
+pub use rays::Rays;
+pub use tree::{Heading, Slots, Tree};
 
 use super::lanes::{Lanes, Work};
 use super::{Best, Meter, Stop, Tally};
 use crate::blob::MAX_STACK;
 use crate::blob::prims::Prims;
 use crate::geom::ray::Prepared;
-use crate::geom::vec::{least3, most3, size, sub};
+use crate::geom::vec::sub;
 use crate::geom::{Aabb, Hit, Ray};
-use crate::num::{count, index};
+use crate::num::index;
 use bundle::Bundle;
+use rays::origins;
 
 /// Most rays of a group.
 pub const RAYS: usize = 64;
@@ -30,88 +38,10 @@ const AT_ONCE: usize = 8;
 const CHUNKS: usize = RAYS / AT_ONCE;
 /// With so many rays left, each goes on alone.
 const FEW: u32 = 2;
-/// Fewer rays are no group.
-const LEAST: usize = 8;
-/// Rays are near to each other if so many times the box of their origins is no longer than the scene.
-const NEAR: f32 = 2.0;
-
-/// Most numbers in all lists: those of as many nodes as can wait, and the last.
-const LISTED: usize = RAYS * (index(MAX_STACK) + 2);
 
 /// Bytes of stack that a group takes, but for the walk of its tree.
 pub const SCRATCH: usize = size_of::<State>();
 const _: () = assert!(SCRATCH <= 17_000);
-
-/// The slots of a leaf.
-#[derive(Clone, Copy)]
-pub enum Slots<'a> {
-    /// So many from the first.
-    Run(u32, u32),
-    /// These.
-    List(&'a [u32]),
-}
-
-/// A tree whose nodes have boxes.
-pub trait Tree<'a> {
-    /// A node or leaf.
-    type Place: Copy;
-
-    /// The root and its box.
-    fn root(&self) -> (Self::Place, Aabb);
-
-    /// Fetches what is at a place. The slots of a leaf; for a node, calls `child` with its children, those last that rays of
-    /// this heading meet first.
-    ///
-    /// # Errors
-    /// What `child` says, and [`Stop::Corrupt`] if there is nothing.
-    fn open(
-        &self,
-        at: Self::Place,
-        bounds: &Aabb,
-        heading: &Heading,
-        child: impl FnMut(Self::Place, Aabb) -> Result<(), Stop>,
-    ) -> Result<Option<Slots<'a>>, Stop>;
-
-    /// Whether a place is a node to be fetched. Where not, it is a leaf of at least one slot.
-    #[inline(always)]
-    fn costs(&self, _: Self::Place) -> bool {
-        true
-    }
-
-    /// One ray from a place on. Returns whether the walk ended at a hit.
-    ///
-    /// # Errors
-    /// [`Stop`] if the meter runs out or the bytes contradict themselves.
-    fn alone<const ANY: bool>(
-        &self,
-        at: Self::Place,
-        bounds: &Aabb,
-        ray: &Prepared,
-        best: &mut Best,
-        meter: &mut impl Meter,
-    ) -> Result<bool, Stop>;
-}
-
-/// Where a group goes, about.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct Heading([f32; 3]);
-
-impl Heading {
-    /// Whether it goes down along an axis.
-    #[inline(always)]
-    #[must_use]
-    pub fn is_negative(&self, k: usize) -> bool {
-        self.0.get(k).is_some_and(|&d| d < 0.0)
-    }
-
-    /// Whether it comes to the second box first.
-    #[inline(always)]
-    #[must_use]
-    pub fn swaps(&self, a: &Aabb, b: &Aabb) -> bool {
-        let along = |k: usize| ((b.min[k] + b.max[k]) - (a.min[k] + a.max[k])) * self.0[k];
-        along(0) + along(1) + along(2) < 0.0
-    }
-}
 
 /// The numbers of the rays in a mask.
 #[inline(always)]
@@ -121,35 +51,6 @@ fn each(mut rays: u64) -> impl Iterator<Item = usize> {
         rays &= rays.wrapping_sub(1);
         (first < 64).then_some(index(first))
     })
-}
-
-/// Up to 64 rays of a query.
-#[allow(clippy::struct_field_names)] // the rays themselves, and what belongs to them
-pub struct Rays<'q, 'a> {
-    /// What they may meet.
-    pub prims: &'q Prims<'a>,
-    /// The rays.
-    pub rays: &'q [Ray],
-    /// As many places for answers.
-    pub hits: &'q mut [Option<Hit>],
-    /// The scene's box.
-    pub bounds: &'q Aabb,
-    /// Its local origin.
-    pub local: &'q [f32; 3],
-}
-
-impl Rays<'_, '_> {
-    /// Whether they are worth a group: their origins are near to each other, as the scene goes.
-    pub fn are_near(&self) -> bool {
-        let mut all = Aabb::EMPTY;
-        for ray in self.rays {
-            // What is NaN counts for nothing.
-            all = Aabb { min: least3(ray.origin, all.min), max: most3(ray.origin, all.max) };
-        }
-        let (origins, scene) = (sub(all.max, all.min), sub(self.bounds.max, self.bounds.min));
-        let most = size(scene);
-        self.rays.len() >= LEAST && size(origins) * NEAR <= most
-    }
 }
 
 /// A query to be compiled for each instruction set.
@@ -167,8 +68,6 @@ struct State {
     len: usize,
     bundle: Bundle,
     best: [Best; RAYS],
-    /// The rays one by one, where lanes are not done at once.
-    rays: heapless::Vec<Prepared, RAYS>,
     heading: Heading,
 }
 
@@ -182,7 +81,6 @@ impl<'a, T: Tree<'a>, const ANY: bool, const LISTS: bool> Work for Group<'_, 'a,
             len: 0,
             bundle: Bundle::new(),
             best: [Best::new(0.0); RAYS],
-            rays: heapless::Vec::new(),
             heading: Heading::default(),
         };
         let Rays { prims, rays, hits, bounds, local } = self.rays;
@@ -238,9 +136,6 @@ impl State {
     /// Prepares the rays. Returns those that make sense, and those that are to be looked at alone.
     #[inline(always)]
     fn gather<L: Lanes<8>>(&mut self, rays: &[Ray], bounds: &Aabb, local: &[f32; 3]) -> (u64, u64) {
-        if !L::AT_ONCE {
-            return self.gather_one_by_one::<L>(rays, bounds, local);
-        }
         let Some(first) = rays.first() else { return (0, 0) };
         let (mut alive, mut odd) = (0, 0);
         let chunks = rays.len().div_ceil(AT_ONCE).min(CHUNKS);
@@ -248,39 +143,24 @@ impl State {
             let left = rays.len().saturating_sub(chunk * AT_ONCE);
             let live = if left < AT_ONCE { (1u32 << left).wrapping_sub(1) } else { 255 };
             let eight = numbers.map(|n| rays.get(usize::from(n)).unwrap_or(first));
-            let good = self.bundle.set::<L>(chunk, eight, live, bounds, local);
+            let good = if L::AT_ONCE {
+                self.bundle.set::<L>(chunk, eight, live, bounds, local)
+            } else {
+                self.bundle.set_in_loops(chunk, eight, live, bounds, local)
+            };
             alive |= u64::from(good) << (chunk * AT_ONCE);
             for lane in each(u64::from(live & !good)) {
                 odd |= 1 << (numbers[lane % AT_ONCE] % 64);
             }
         }
         self.len = rays.len();
+        let all = origins(rays);
+        self.bundle.origins = Aabb { min: sub(all.min, *local), max: sub(all.max, *local) };
         self.heading = Heading(self.bundle.survey::<L>(rays.len()));
         for (best, &t) in self.best.iter_mut().zip(self.bundle.t.as_flattened()) {
             *best = Best::new(t);
         }
         (alive, odd)
-    }
-
-    /// The same without lanes.
-    #[inline(always)]
-    fn gather_one_by_one<L: Lanes<8>>(&mut self, rays: &[Ray], bounds: &Aabb, local: &[f32; 3]) -> (u64, u64) {
-        let (mut n, mut odd) = (0usize, 0);
-        for number in self.number.into_iter().take(rays.len()) {
-            let ray = rays.get(usize::from(number)).and_then(|ray| Prepared::new(ray, bounds, *local));
-            let Some(ray) = ray.filter(|ray| ray.unit == 1.0) else {
-                odd |= 1 << (number % 64);
-                continue;
-            };
-            let _ = self.rays.push(ray);
-            self.bundle.put(n, &ray);
-            self.best[n % RAYS] = Best::new(ray.t_max);
-            self.number[n % RAYS] = number;
-            n = n.wrapping_add(1);
-        }
-        self.len = n;
-        self.heading = Heading(self.bundle.survey::<L>(n));
-        (u64::MAX.checked_shr(count(RAYS.saturating_sub(n))).unwrap_or(0), odd)
     }
 
     /// All rays, node by node.
@@ -320,54 +200,6 @@ impl State {
         Ok(())
     }
 
-    /// The same with lists for masks: the lecture's stack of references to rays. A node's rays are a run of the list; those
-    /// that meet a child are copied above it, and taken off when the child is done.
-    #[inline(always)]
-    fn walk_lists<'a, T: Tree<'a>, const ANY: bool, L: Lanes<8>>(
-        &mut self,
-        tree: &T,
-        prims: &Prims<'a>,
-        mut alive: u64,
-        meter: &mut Tally,
-    ) -> Result<(), Stop> {
-        let mut stack = heapless::Vec::<(T::Place, Aabb, usize, usize), { index(2 * MAX_STACK) }>::new();
-        let mut list = heapless::Vec::<u8, LISTED>::new();
-        for i in (0u8..64).filter(|i| alive >> i & 1 == 1) {
-            list.push(i).map_err(|_| Stop::Corrupt)?;
-        }
-        let (root, bounds) = tree.root();
-        stack.push((root, bounds, 0, list.len())).map_err(|_| Stop::Corrupt)?;
-        while let Some((at, bounds, first, last)) = stack.pop() {
-            list.truncate(last);
-            let mut rays = 0;
-            for place in first..last {
-                let i = list.get(place).copied().unwrap_or(0) % 64;
-                if alive >> i & 1 == 1 && self.bundle.meets_box(usize::from(i), &bounds) {
-                    list.push(i).map_err(|_| Stop::Corrupt)?;
-                    rays |= 1 << i;
-                }
-            }
-            if rays == 0 {
-                continue;
-            }
-            if list.len().saturating_sub(last) <= index(FEW) {
-                alive &= !self.alone::<T, ANY>(tree, at, &bounds, rays, meter)?;
-                continue;
-            }
-            if tree.costs(at) && !meter.node() {
-                return Err(Stop::Fuel);
-            }
-            let (first, last) = (last, list.len());
-            let opened = tree.open(at, &bounds, &self.heading, |child, bounds| {
-                stack.push((child, bounds, first, last)).map_err(|_| Stop::Corrupt)
-            })?;
-            if let Some(slots) = opened {
-                alive &= !self.leaf::<ANY, L>(prims, slots, rays, meter)?;
-            }
-        }
-        Ok(())
-    }
-
     /// Each of some rays by itself, from a place on. Returns those that are done: with `ANY`, that have hit.
     #[inline(always)]
     fn alone<'a, T: Tree<'a>, const ANY: bool>(
@@ -380,7 +212,7 @@ impl State {
     ) -> Result<u64, Stop> {
         let mut done = 0;
         for i in each(rays) {
-            let ray = self.rays.get(i).copied().unwrap_or_else(|| self.bundle.ray(i));
+            let ray = self.bundle.ray(i);
             let best = &mut self.best[i % RAYS];
             if tree.alone::<ANY>(at, bounds, &ray, best, meter)? {
                 done |= 1 << i;

@@ -3,7 +3,7 @@ use super::{Bundle, Each, row};
 use crate::geom::Aabb;
 use crate::geom::vec::{least, most};
 use crate::num::index;
-use crate::walk::group::{AT_ONCE, CHUNKS, each, low_byte};
+use crate::walk::group::{AT_ONCE, CHUNKS, low_byte};
 use crate::walk::lanes::Lanes;
 
 /// The extremes of a group whose signs are alike, mirrored.
@@ -18,6 +18,9 @@ pub(super) struct Range {
     /// Of the distances to beat.
     pub(super) t: (f32, f32),
 }
+
+/// Planes of a box on each axis: those that rays meet first, and those that they meet last; mirrored as the rays are.
+type Ends = ([f32; 3], [f32; 3]);
 
 /// What an interval says of a box.
 enum Met {
@@ -34,31 +37,21 @@ impl Bundle {
     /// first to the last of which do.
     #[inline(always)]
     pub(in crate::walk::group) fn may_meet<L: Lanes<8>>(&self, b: &Aabb, rays: u64) -> u64 {
-        let Some(range) = &self.range else { return self.met::<L>(b, rays) };
+        let Some(range) = &self.range else {
+            let is_inside = |k: usize| b.min[k] <= self.origins.min[k] && self.origins.max[k] <= b.max[k];
+            return if is_inside(0) && is_inside(1) && is_inside(2) { rays } else { self.met::<L>(b, rays) };
+        };
         match range.met(b) {
             Met::None => return 0,
             Met::All => return rays,
             Met::Some => {}
         }
         let mut rays = rays;
-        if !L::AT_ONCE {
-            let ends = in_order(b, range.negative);
-            while rays != 0 && !self.meets(index(rays.trailing_zeros()), &ends) {
-                rays &= rays - 1;
-            }
-            while rays & (rays.wrapping_sub(1)) != 0 {
-                let last = rays.checked_ilog2().unwrap_or(0);
-                if self.meets(index(last), &ends) {
-                    break;
-                }
-                rays &= !(1 << last);
-            }
-            return rays;
-        }
-        let planes = Planes::<L>::new(b, range.negative);
+        let ends = in_order(b, range.negative);
+        let planes = Planes::<L>::new(&ends);
         while rays != 0 {
             let chunk = index(rays.trailing_zeros()) / AT_ONCE;
-            let met = self.cut(chunk, &planes) & low_byte(rays >> (chunk * AT_ONCE));
+            let met = self.cut_by(chunk, &planes, &ends) & low_byte(rays >> (chunk * AT_ONCE));
             let below = u64::from(met) << (chunk * AT_ONCE);
             rays = rays & !(255 << (chunk * AT_ONCE)) | below;
             if met != 0 {
@@ -72,40 +65,38 @@ impl Bundle {
     #[inline(always)]
     pub(in crate::walk::group) fn met<L: Lanes<8>>(&self, b: &Aabb, rays: u64) -> u64 {
         let mut met = 0;
-        if !L::AT_ONCE {
-            for chunk in 0..CHUNKS {
-                let lanes = rays & 255 << (chunk * AT_ONCE);
-                if lanes == 0 {
-                    continue;
-                }
-                let common = self.common[chunk].map(|negative| in_order(b, negative));
-                for i in each(lanes) {
-                    let ends = common.unwrap_or_else(|| in_order(b, self.negative(i)));
-                    met |= u64::from(self.meets(i, &ends)) << i;
-                }
-            }
-            return met;
-        }
         if let Some(range) = &self.range {
-            let planes = Planes::<L>::new(b, range.negative);
+            let ends = in_order(b, range.negative);
+            let planes = Planes::<L>::new(&ends);
             for chunk in 0..CHUNKS {
                 if low_byte(rays >> (chunk * AT_ONCE)) != 0 {
-                    met |= u64::from(self.cut(chunk, &planes)) << (chunk * AT_ONCE);
+                    met |= u64::from(self.cut_by(chunk, &planes, &ends)) << (chunk * AT_ONCE);
                 }
             }
         } else {
             for chunk in 0..CHUNKS {
                 if low_byte(rays >> (chunk * AT_ONCE)) != 0 {
-                    met |= u64::from(self.cut(chunk, &self.planes::<L>(chunk, b))) << (chunk * AT_ONCE);
+                    let chunk_met = match self.common[chunk] {
+                        _ if L::AT_ONCE => self.cut(chunk, &self.planes::<L>(chunk, b)),
+                        Some(negative) => self.cut_in_loops(chunk, &in_order(b, negative)),
+                        None => self.cut_mixed(chunk, b),
+                    };
+                    met |= u64::from(chunk_met) << (chunk * AT_ONCE);
                 }
             }
         }
         met & rays
     }
 
+    /// Which rays of a chunk meet a box, by its planes in lanes or one by one.
+    #[inline(always)]
+    fn cut_by<L: Lanes<8>>(&self, chunk: usize, planes: &Planes<L>, ends: &Ends) -> u32 {
+        if L::AT_ONCE { self.cut(chunk, planes) } else { self.cut_in_loops(chunk, ends) }
+    }
+
     /// Whether a ray meets a box whose planes are in its order: as [`Bundle::met`].
     #[inline(always)]
-    fn meets(&self, i: usize, (first, last): &([f32; 3], [f32; 3])) -> bool {
+    fn meets(&self, i: usize, (first, last): &Ends) -> bool {
         let at = |each: &Each| each[i / AT_ONCE % CHUNKS][i % AT_ONCE];
         let (mut near, mut far) = (at(&self.t_min), at(&self.t));
         let mut axis = |k: usize| {
@@ -137,7 +128,7 @@ impl Bundle {
     fn planes<L: Lanes<8>>(&self, chunk: usize, b: &Aabb) -> Planes<L> {
         let chunk = chunk % CHUNKS;
         if let Some(negative) = self.common[chunk] {
-            return Planes::new(b, negative);
+            return Planes::new(&in_order(b, negative));
         }
         let zero = L::splat(0.0);
         let (mut first, mut last) = ([zero; 3], [zero; 3]);
@@ -218,7 +209,7 @@ fn times((low, high): (f32, f32), (least_inv, most_inv): (f32, f32)) -> (f32, f3
 
 /// The planes of a box that rays of these signs meet first, and those that they meet last; mirrored.
 #[inline(always)]
-fn in_order(b: &Aabb, negative: [bool; 3]) -> ([f32; 3], [f32; 3]) {
+fn in_order(b: &Aabb, negative: [bool; 3]) -> Ends {
     let (mut first, mut last) = (b.min, b.max);
     for k in 0..3 {
         if negative[k] {
@@ -236,9 +227,9 @@ struct Planes<L> {
 
 impl<L: Lanes<8>> Planes<L> {
     #[inline(always)]
-    fn new(b: &Aabb, negative: [bool; 3]) -> Self {
+    fn new((first, last): &Ends) -> Self {
         let zero = L::splat(0.0);
-        let ((first, last), mut planes) = (in_order(b, negative), Self { first: [zero; 3], last: [zero; 3] });
+        let mut planes = Self { first: [zero; 3], last: [zero; 3] };
         for k in 0..3 {
             (planes.first[k], planes.last[k]) = (L::splat(first[k]), L::splat(last[k]));
         }
