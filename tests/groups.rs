@@ -3,8 +3,8 @@ use crate::common::meshes::{cube, icosphere, mixed, scaled};
 use crate::common::rays::{Random, hostile};
 use crate::common::{bits, build, configs};
 use crate::soup::Soup;
-use flashray::walk::Isa;
-use flashray::{Ray, Scene};
+use flashray::walk::{Isa, Steps};
+use flashray::{Kind, Ray, Scene};
 
 /// Compares closest and any hits, counted and not, on so many of the rays.
 fn same(name: &str, scene: &Scene<'_>, rays: &[Ray]) -> usize {
@@ -54,15 +54,16 @@ fn near(scene: &Scene<'_>, count: usize, seed: u64) -> Vec<Ray> {
 }
 
 /// Rays of a camera, tile by tile; of a parallel one, some components are 0.
-fn tiles(scene: &Scene<'_>, parallel: bool) -> Vec<Ray> {
+fn tiles(scene: &Scene<'_>, side: u32, parallel: bool) -> Vec<Ray> {
     let b = scene.bounds();
     let at = |k: usize, share: f32| b.min[k] + (b.max[k] - b.min[k]) * share;
     let far = b.min[2] - 2.0 * (b.max[2] - b.min[2]);
     let mut rays = Vec::new();
-    for i in 0..32 * 32 {
+    for i in 0..side * side {
         let (tile, pixel) = (i / 64, i % 64);
-        let (x, y) = (tile % 4 * 8 + pixel % 8, tile / 4 * 8 + pixel / 8);
-        let to = [at(0, x as f32 / 31.0), at(1, y as f32 / 31.0), b.min[2]];
+        let (x, y) = (tile % (side / 8) * 8 + pixel % 8, tile / (side / 8) * 8 + pixel / 8);
+        let last = (side - 1) as f32;
+        let to = [at(0, x as f32 / last), at(1, y as f32 / last), b.min[2]];
         let from = if parallel { [to[0], to[1], far] } else { [at(0, 0.4), at(1, 0.6), far] };
         rays.push(Ray::new(from, [0, 1, 2].map(|k| to[k] - from[k])));
     }
@@ -75,8 +76,8 @@ fn all_rays(name: &str, soup: &Soup, count: usize) {
         let blob = build(soup, config);
         let scene = Scene::from_bytes(&blob).expect("a good blob");
         hits += same(name, &scene, &near(&scene, count, 1 + i as u64));
-        hits += same(name, &scene, &tiles(&scene, false));
-        hits += same(name, &scene, &tiles(&scene, true));
+        hits += same(name, &scene, &tiles(&scene, 32, false));
+        hits += same(name, &scene, &tiles(&scene, 32, true));
     }
     assert!(hits * 20 >= count * configs().len(), "{name}: only {hits} hits");
 }
@@ -123,5 +124,27 @@ fn any_number_of_rays_of_any_sense_makes_groups() {
         scene.closest_hits(&rays[..100], &mut few);
         scene.any_hits(&rays[..100], &mut few_any);
         assert_eq!((&few[..], &few_any[..]), (&hits[..70], &any[..70]));
+    }
+}
+
+/// Camera rays fetch a node once for all that meet it, and that is what is counted.
+#[test]
+fn groups_fetch_fewer_nodes() {
+    let soup = icosphere(4);
+    for config in configs()
+        .into_iter()
+        .filter(|c| matches!(c.kind, Kind::Bvh | Kind::Wide | Kind::Octree | Kind::Bsp | Kind::Sphere))
+    {
+        let blob = build(&soup, &config);
+        let scene = Scene::from_bytes(&blob).expect("a good blob");
+        let rays = tiles(&scene, 128, false);
+        let (mut hits, mut any) = (vec![None; rays.len()], vec![false; rays.len()]);
+        let nodes = |steps: Steps| u64::from(steps.nodes);
+        let one_by_one: u64 = rays.iter().map(|ray| nodes(scene.closest_hit_counted(ray).1)).sum();
+        let together = nodes(scene.closest_hits_counted(&rays, &mut hits));
+        assert!(0 < together && together * 2 < one_by_one, "{:?}: {together}, {one_by_one}", scene.kind());
+        let one_by_one: u64 = rays.iter().map(|ray| nodes(scene.any_hit_counted(ray).1)).sum();
+        let together = nodes(scene.any_hits_counted(&rays, &mut any));
+        assert!(0 < together && together * 2 < one_by_one, "{:?}, any: {together}, {one_by_one}", scene.kind());
     }
 }

@@ -17,17 +17,19 @@ impl Scene<'_> {
     /// [`Scene::closest_hit`] for many rays: `hits[i]` becomes the answer to `rays[i]`. Of two lengths the lesser
     /// counts.
     ///
-    /// Rays that come from about the same place, 64 after another, are walked together where the structure allows that
-    /// (hierarchies, `octree`, `bsp`) and the machine has lanes: each node and primitive is loaded once for all of them. What suits them is found
+    /// Rays that come from about the same place, 64 after another, are walked together in hierarchies, `octree` and `bsp`
+    /// if the scene is made of triangles: each node and triangle is loaded once for all of them. What suits them is found
     /// out from a few. So neighbours should stand side by side, such as pixels in tiles of 8 by 8, those in tiles of
-    /// 4 by 4 and of 4 by 2. The answers are the same in any order, and rays from everywhere are answered one after
-    /// another. A group takes 10 KiB of stack on
-    /// `wide` and [`GROUP_SCRATCH`](crate::walk::GROUP_SCRATCH) bytes elsewhere, however many rays there are.
+    /// 4 by 4 and of 4 by 2. The answers are the same in any order. Of rays from everywhere 64 go their own ways on `wide`,
+    /// in turns, so that one need not wait for another's memory. Elsewhere they are answered one after another; so are
+    /// those in scenes with other primitives, because these are tested ray by ray, and those of different directions where
+    /// the library has no lanes ([`Isa::SCALAR`](crate::walk::Isa::SCALAR)).
+    ///
+    /// A call takes at most [`STREAM_SCRATCH`](crate::walk::STREAM_SCRATCH) bytes of stack more than a single ray's on
+    /// `wide` and [`GROUP_SCRATCH`](crate::walk::GROUP_SCRATCH) elsewhere, however many rays there are.
     pub fn closest_hits(&self, rays: &[Ray], hits: &mut [Option<Hit>]) {
-        match &self.structure {
-            Structure::Wide(view) => return self.wide::<_, false, 8>(view, None, rays, hits),
-            Structure::Wide4(view) => return self.wide::<_, false, 4>(view, None, rays, hits),
-            _ => {}
+        if self.wide::<_, _, false>(None, rays, hits, &mut wide::Uncounted) {
+            return;
         }
         for (rays, hits) in rays.chunks(RAYS).zip(hits.chunks_mut(RAYS)) {
             self.group::<false, false, false>(rays, hits, &mut Steps::default());
@@ -37,10 +39,8 @@ impl Scene<'_> {
     /// [`Scene::any_hit`] for many rays: `hits[i]` becomes the answer to `rays[i]`, in the same way as by
     /// [`Scene::closest_hits`].
     pub fn any_hits(&self, rays: &[Ray], hits: &mut [bool]) {
-        match &self.structure {
-            Structure::Wide(view) => return self.wide::<_, true, 8>(view, None, rays, hits),
-            Structure::Wide4(view) => return self.wide::<_, true, 4>(view, None, rays, hits),
-            _ => {}
+        if self.wide::<_, _, true>(None, rays, hits, &mut wide::Uncounted) {
+            return;
         }
         let mut found = [None; RAYS];
         for (rays, hits) in rays.chunks(RAYS).zip(hits.chunks_mut(RAYS)) {
@@ -49,10 +49,13 @@ impl Scene<'_> {
         }
     }
 
-    /// [`Scene::closest_hits`] together with what it cost: what a group loads once is counted once. In `wide` the rays
-    /// are counted one after another.
+    /// [`Scene::closest_hits`] together with what it cost: what a group loads once is counted once.
     pub fn closest_hits_counted(&self, rays: &[Ray], hits: &mut [Option<Hit>]) -> Steps {
         let mut steps = Steps::default();
+        let mut tally = Tally { fuel: Fuel(self.fuel), steps };
+        if self.wide::<_, _, false>(None, rays, hits, &mut tally) {
+            return tally.steps;
+        }
         for (rays, hits) in rays.chunks(RAYS).zip(hits.chunks_mut(RAYS)) {
             self.group::<false, true, false>(rays, hits, &mut steps);
         }
@@ -72,6 +75,10 @@ impl Scene<'_> {
     /// [`Scene::any_hits`] together with what it cost, likewise.
     pub fn any_hits_counted(&self, rays: &[Ray], hits: &mut [bool]) -> Steps {
         let (mut steps, mut found) = (Steps::default(), [None; RAYS]);
+        let mut tally = Tally { fuel: Fuel(self.fuel), steps };
+        if self.wide::<_, _, true>(None, rays, hits, &mut tally) {
+            return tally.steps;
+        }
         for (rays, hits) in rays.chunks(RAYS).zip(hits.chunks_mut(RAYS)) {
             self.group::<true, true, false>(rays, &mut found, &mut steps);
             hits.iter_mut().zip(&found).take(rays.len()).for_each(|(hit, found)| *hit = found.is_some());
@@ -99,19 +106,15 @@ impl Scene<'_> {
     /// # }
     /// ```
     pub fn closest_hits_in_packets(&self, of: PacketSize, rays: &[Ray], hits: &mut [Option<Hit>]) {
-        match &self.structure {
-            Structure::Wide(view) => self.wide::<_, false, 8>(view, Some(of), rays, hits),
-            Structure::Wide4(view) => self.wide::<_, false, 4>(view, Some(of), rays, hits),
-            _ => rays.iter().zip(hits).for_each(|(ray, hit)| *hit = self.closest_hit(ray)),
+        if !self.wide::<_, _, false>(Some(of), rays, hits, &mut wide::Uncounted) {
+            rays.iter().zip(hits).for_each(|(ray, hit)| *hit = self.closest_hit(ray));
         }
     }
 
     /// [`Scene::any_hits`] in packets, as [`Scene::closest_hits_in_packets`].
     pub fn any_hits_in_packets(&self, of: PacketSize, rays: &[Ray], hits: &mut [bool]) {
-        match &self.structure {
-            Structure::Wide(view) => self.wide::<_, true, 8>(view, Some(of), rays, hits),
-            Structure::Wide4(view) => self.wide::<_, true, 4>(view, Some(of), rays, hits),
-            _ => rays.iter().zip(hits).for_each(|(ray, hit)| *hit = self.any_hit(ray)),
+        if !self.wide::<_, _, true>(Some(of), rays, hits, &mut wide::Uncounted) {
+            rays.iter().zip(hits).for_each(|(ray, hit)| *hit = self.any_hit(ray));
         }
     }
 
@@ -130,8 +133,10 @@ impl Scene<'_> {
         let mut tally = Tally { fuel: Fuel(fuel.saturating_mul(count(RAYS).saturating_add(1))), steps: *steps };
         let group = Rays { prims, rays, hits: &mut *hits, bounds, local };
         // Where not even compilers have lanes, a group saves fetches and no time; where only they do, it does if its rays are
-        // alike. Those who count get one always.
-        let worth = COUNTED || self.isa != Isa::SCALAR || LOOPS && group.are_alike();
+        // alike; and primitives other than triangles are tested ray by ray, so that it costs 10 % there. Those who count get
+        // one always.
+        let has_lanes = self.isa != Isa::SCALAR || LOOPS && group.are_alike();
+        let worth = COUNTED || has_lanes && prims.refs.is_empty();
         if !worth || self.structure.group::<ANY, LISTS>(group, self.isa, &mut tally) != Ok(true) {
             // One by one; also where an unchecked blob contradicts itself: those that do not come there get an answer.
             for (ray, hit) in rays.iter().zip(hits) {
@@ -147,13 +152,30 @@ impl Scene<'_> {
         *steps = tally.steps;
     }
 
-    /// Many rays on `wide`, in packets or in groups.
-    fn wide<A: wide::Answer, const ANY: bool, const W: usize>(
+    /// Many rays on `wide`, in packets or in groups. Returns whether this is one.
+    fn wide<A: wide::Answer, P: wide::Purse, const ANY: bool>(
+        &self,
+        packets: Option<PacketSize>,
+        rays: &[Ray],
+        answers: &mut [A],
+        purse: &mut P,
+    ) -> bool {
+        match &self.structure {
+            Structure::Wide(view) => self.wide_of::<A, P, ANY, 8>(view, packets, rays, answers, purse),
+            Structure::Wide4(view) => self.wide_of::<A, P, ANY, 4>(view, packets, rays, answers, purse),
+            _ => return false,
+        }
+        true
+    }
+
+    /// The same with nodes of a width.
+    fn wide_of<A: wide::Answer, P: wide::Purse, const ANY: bool, const W: usize>(
         &self,
         view: &wide::View<'_, W>,
         packets: Option<PacketSize>,
         rays: &[Ray],
         answers: &mut [A],
+        purse: &mut P,
     ) where
         wide::Node<W>: wide::Wide<W>,
     {
@@ -164,7 +186,7 @@ impl Scene<'_> {
         }
         if !lanes::HERE {
             for (ray, answer) in rays.iter().zip(answers) {
-                *answer = A::new(self.query::<ANY>(ray, Fuel(self.fuel), &mut NoMailbox).unwrap_or(None));
+                *answer = A::new(self.query::<ANY>(ray, purse.open(self.fuel), &mut NoMailbox).unwrap_or(None));
             }
             return;
         }
@@ -172,7 +194,7 @@ impl Scene<'_> {
         let many = wide::Many { view, prims, place, fuel: self.fuel, isa: self.isa };
         match packets {
             Some(of) => many.packets::<_, ANY>(of, rays, answers),
-            None => many.groups::<_, ANY>(rays, answers),
+            None => many.groups::<_, _, ANY>(rays, answers, purse),
         }
     }
 }

@@ -15,6 +15,7 @@ mod meter;
 pub(crate) mod packet;
 pub(crate) mod prepare;
 
+pub use crate::wide::STREAM_SCRATCH;
 pub use group::SCRATCH as GROUP_SCRATCH;
 pub use heading::PacketSize;
 pub use lanes::Isa;

@@ -13,7 +13,7 @@
 //! multiplication is monotone. So the lesser of the two is no greater than the ray's distance. NaN comes of `0 * large`
 //! alone, where a ray runs along the plane: then the extreme of the two products is NaN, too, and constrains nothing, as
 //! for the ray.
-use super::many::{Answer, Many};
+use super::many::{Answer, Many, Purse};
 use super::{In, Node, STACK, View, Wide};
 use crate::blob::block::{Block, LANES};
 use crate::blob::prims::Prims;
@@ -22,10 +22,10 @@ use crate::bvh::walk::Rows;
 use crate::bvh::{Child, Face};
 use crate::geom::Ray;
 use crate::num::{count, index};
-use crate::walk::Stop;
 use crate::walk::heading::Heading;
 use crate::walk::lanes::{Lanes, Work};
 use crate::walk::packet::{Packet, Place, Range};
+use crate::walk::{Meter, Stop};
 
 /// Rays of a group.
 pub const RAYS: usize = 64;
@@ -44,15 +44,16 @@ const PATIENCE_ANY: u32 = 600;
 const NODE_WORK: u32 = 6;
 
 /// A query of up to 64 rays, to be compiled for each instruction set.
-pub(super) struct Group<'q, 'a, 'r, A, const ANY: bool, const W: usize> {
+pub(super) struct Group<'q, 'a, 'r, A, P, const ANY: bool, const W: usize> {
     pub many: Many<'q, 'a, W>,
     pub rays: &'r [Ray],
     pub answers: &'r mut [A],
     /// The heading that most of them seem to have.
     pub heading: Heading,
+    pub purse: &'r mut P,
 }
 
-impl<A: Answer, const ANY: bool, const W: usize> Work for Group<'_, '_, '_, A, ANY, W>
+impl<A: Answer, P: Purse, const ANY: bool, const W: usize> Work for Group<'_, '_, '_, A, P, ANY, W>
 where
     Node<W>: Wide<W>,
 {
@@ -61,7 +62,7 @@ where
 
     #[inline(always)]
     fn run<L8: Lanes<8>, L4: Lanes<4>>(self) -> u64 {
-        let Self { many, rays, answers, mut heading } = self;
+        let Self { many, rays, answers, mut heading, purse } = self;
         let all = u64::MAX >> (RAYS - rays.len().clamp(1, RAYS));
         // All are tried together, and if they are not of one heading, those of each.
         let (mut mine, mut left, mut alone) = (all, all, 0);
@@ -69,7 +70,8 @@ where
             let mut team = Team::EMPTY;
             if team.set::<L8>(rays, mine, heading, many.place) {
                 // Also where an unchecked blob contradicts itself: rays that do not come there get an answer.
-                let ok = team.walk::<ANY, W, L8, In<W, L8, L4>>(many.view, many.prims, heading, many.fuel).is_ok();
+                let meter = purse.open(many.fuel);
+                let ok = team.walk::<ANY, W, L8, In<W, L8, L4>>(many.view, many.prims, heading, meter).is_ok();
                 let mut slot = 0usize;
                 for (i, answer) in answers.iter_mut().enumerate() {
                     if mine >> i & 1 == 1 {
@@ -112,7 +114,7 @@ fn of_heading(rays: &[Ray], heading: Option<Heading>) -> u64 {
 type Each = [f32; PACKETS];
 
 /// Packets that walk together.
-struct Team {
+pub(super) struct Team {
     packets: [Packet<AT_ONCE>; PACKETS],
     /// Which packets there are.
     used: u32,
@@ -240,7 +242,7 @@ impl Team {
         view: &View<'_, W>,
         prims: &Prims<'_>,
         heading: Heading,
-        mut fuel: u32,
+        mut meter: impl Meter,
     ) -> Result<(), Stop> {
         let rows = Rows::of(heading.negative);
         let range = self.range(heading);
@@ -250,7 +252,9 @@ impl Team {
         let mut patience = if ANY { PATIENCE_ANY } else { PATIENCE };
         loop {
             if at.is_node() {
-                fuel = fuel.checked_sub(1).ok_or(Stop::Fuel)?;
+                if !meter.node() {
+                    return Err(Stop::Fuel);
+                }
                 patience = patience.checked_sub(NODE_WORK).ok_or(Stop::Fuel)?;
                 let node = view.nodes.get(index(at.number())).ok_or(Stop::Corrupt)?;
                 let one = packets.is_power_of_two();
@@ -281,7 +285,9 @@ impl Team {
                     sorted = sorted.saturating_add(1);
                 }
             } else {
-                fuel = fuel.checked_sub(at.len()).ok_or(Stop::Fuel)?;
+                if !meter.prims(at.len()) {
+                    return Err(Stop::Fuel);
+                }
                 let work = at.len().wrapping_mul(packets.count_ones());
                 patience = patience.checked_sub(work).ok_or(Stop::Fuel)?;
                 let first = index(at.number());

@@ -1,5 +1,5 @@
 //! Many rays a call: how they are answered.
-use super::group::{AT_ONCE, Group, RAYS};
+use super::group::{AT_ONCE, Group, RAYS, Team};
 use super::packet::Packets;
 use super::stream::{Crowd, Stream};
 use super::{Node, Query, View, Wide};
@@ -11,7 +11,7 @@ use crate::walk::heading::{Heading, PacketSize};
 use crate::walk::lanes::{Lanes, Work};
 use crate::walk::packet::Place;
 use crate::walk::prepare::Given;
-use crate::walk::{Fuel, Isa};
+use crate::walk::{Fuel, Isa, Meter, Tally};
 
 /// Of eight rays so many must have one heading.
 const MOST: usize = 6;
@@ -23,6 +23,9 @@ const SPELL: u32 = 16;
 const FAR_STEPS: usize = 1;
 /// A step in place is far from this share of the scene on, and one in direction from this share of its largest part.
 const FAR: f32 = 0.04;
+
+/// Bytes of stack that a call for many rays takes at most beyond those of a query: a stream's and a group's.
+pub const SCRATCH: usize = size_of::<Crowd>() + size_of::<Team>();
 
 /// What is given for a ray.
 pub(crate) trait Answer {
@@ -44,14 +47,48 @@ impl Answer for bool {
     }
 }
 
+/// What queries are paid from: each by itself, or all counted together.
+pub(crate) trait Purse {
+    /// What one of them, or those of one heading, may spend.
+    type Open<'m>: Meter
+    where
+        Self: 'm;
+
+    /// With so much fuel.
+    fn open(&mut self, fuel: u32) -> Self::Open<'_>;
+}
+
+/// Nobody counts.
+pub(crate) struct Uncounted;
+
+impl Purse for Uncounted {
+    // By value: what nobody looks at afterwards can stay in a register.
+    type Open<'m> = Fuel;
+
+    #[inline(always)]
+    fn open(&mut self, fuel: u32) -> Fuel {
+        Fuel(fuel)
+    }
+}
+
+impl Purse for Tally {
+    type Open<'m> = &'m mut Self;
+
+    #[inline(always)]
+    fn open(&mut self, fuel: u32) -> &mut Self {
+        self.fuel = Fuel(fuel);
+        self
+    }
+}
+
 /// A query whose answer goes to its place within the walk: handed back it would be moved as a whole right after it was
 /// written number by number, and waited for.
-struct Placed<'r, 'q, 'a, A, const ANY: bool, const W: usize> {
-    query: Query<'q, 'a, Fuel, ANY, W>,
+struct Placed<'r, 'q, 'a, A, M, const ANY: bool, const W: usize> {
+    query: Query<'q, 'a, M, ANY, W>,
     answer: &'r mut A,
 }
 
-impl<A: Answer, const ANY: bool, const W: usize> Work for Placed<'_, '_, '_, A, ANY, W>
+impl<A: Answer, M: Meter, const ANY: bool, const W: usize> Work for Placed<'_, '_, '_, A, M, ANY, W>
 where
     Node<W>: Wide<W>,
 {
@@ -79,23 +116,23 @@ where
 {
     /// Answers in groups or streams or ray by ray, as it suits the rays. `answers` are as many as `rays`.
     // Each form is compiled by itself: in one function with groups, rays alone were 8 % slower.
-    pub(crate) fn groups<A: Answer, const ANY: bool>(self, rays: &[Ray], answers: &mut [A]) {
+    pub(crate) fn groups<A: Answer, P: Purse, const ANY: bool>(self, rays: &[Ray], answers: &mut [A], purse: &mut P) {
         let mut chunks = rays.chunks(RAYS).zip(answers.chunks_mut(RAYS));
         while let Some((rays, answers)) = chunks.next() {
-            let left = self.group::<A, ANY>(rays, answers);
+            let left = self.group::<A, P, ANY>(rays, answers, purse);
             if left.count_ones() >= STREAM && !self.prims.blocks.is_empty() {
-                return self.streams::<A, ANY>((left, rays, answers), chunks);
+                return self.streams::<A, P, ANY>((left, rays, answers), chunks, purse);
             }
-            self.alone::<A, ANY>(left, rays, answers);
+            self.alone::<A, P, ANY>(left, rays, answers, purse);
         }
     }
 
     /// Tries up to 64 rays as a group. Returns those that are not answered.
     #[inline(always)]
-    fn group<A: Answer, const ANY: bool>(self, rays: &[Ray], answers: &mut [A]) -> u64 {
+    fn group<A: Answer, P: Purse, const ANY: bool>(self, rays: &[Ray], answers: &mut [A], purse: &mut P) -> u64 {
         match self.shared(rays) {
             Some(heading) if !self.prims.blocks.is_empty() => {
-                self.isa.run(Group::<_, ANY, W> { many: self, rays, answers, heading })
+                self.isa.run(Group::<_, _, ANY, W> { many: self, rays, answers, heading, purse })
             }
             _ => u64::MAX >> (RAYS - rays.len().clamp(1, RAYS)),
         }
@@ -104,10 +141,11 @@ where
     /// Answers all that is left of a call, some of which is not fit for groups. It has a stream's scratch, which a call
     /// of groups alone need not set to nothing.
     #[inline(never)]
-    fn streams<'r, A: Answer + 'r, const ANY: bool>(
+    fn streams<'r, A: Answer + 'r, P: Purse, const ANY: bool>(
         self,
         first: (u64, &'r [Ray], &'r mut [A]),
         rest: impl Iterator<Item = (&'r [Ray], &'r mut [A])>,
+        purse: &mut P,
     ) {
         let mut crowd = Crowd::EMPTY;
         let (mut pause, mut spell) = (1u32, 1);
@@ -120,15 +158,22 @@ where
             if left == all {
                 pause = pause.saturating_sub(1);
                 if pause == 0 {
-                    left = self.group::<A, ANY>(rays, answers);
+                    left = self.group::<A, P, ANY>(rays, answers, purse);
                     spell = if left.count_ones() * 2 > count(rays.len()) { (spell * 2).min(SPELL) } else { 1 };
                     pause = spell;
                 }
             }
             if left.count_ones() >= STREAM {
-                left = self.isa.run(Stream::<_, ANY, W> { many: self, rays, answers, which: left, crowd: &mut crowd });
+                left = self.isa.run(Stream::<_, _, ANY, W> {
+                    many: self,
+                    rays,
+                    answers,
+                    which: left,
+                    crowd: &mut crowd,
+                    purse,
+                });
             }
-            self.alone::<A, ANY>(left, rays, answers);
+            self.alone::<A, P, ANY>(left, rays, answers, purse);
         }
     }
 
@@ -139,17 +184,18 @@ where
             if !self.prims.blocks.is_empty() {
                 alone = self.isa.run(Packets::<_, ANY, W> { many: self, of, rays, answers });
             }
-            self.alone::<A, ANY>(alone, rays, answers);
+            self.alone::<A, _, ANY>(alone, rays, answers, &mut Uncounted);
         }
     }
 
     /// Some of up to 64 rays, one after another.
     #[inline(always)]
-    fn alone<A: Answer, const ANY: bool>(self, which: u64, rays: &[Ray], answers: &mut [A]) {
+    fn alone<A: Answer, P: Purse, const ANY: bool>(self, which: u64, rays: &[Ray], answers: &mut [A], purse: &mut P) {
         let Self { view, prims, place: Place { bounds, local }, fuel, isa } = self;
         for (i, (ray, answer)) in rays.iter().zip(answers).enumerate() {
             if which >> i & 1 == 1 {
-                let query = Query::<_, ANY, W> { view, prims, ray: Given::new(ray), bounds, local, meter: Fuel(fuel) };
+                let query =
+                    Query::<_, ANY, W> { view, prims, ray: Given::new(ray), bounds, local, meter: purse.open(fuel) };
                 isa.run(Placed { query, answer });
             }
         }

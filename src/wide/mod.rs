@@ -35,7 +35,8 @@ mod packet;
 mod stream;
 mod walk;
 
-pub(crate) use many::{Answer, Many};
+pub use many::SCRATCH as STREAM_SCRATCH;
+pub(crate) use many::{Answer, Many, Purse, Uncounted};
 pub(crate) use walk::Query;
 
 use crate::blob::prims::Prims;

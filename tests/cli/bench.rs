@@ -20,7 +20,9 @@ fn whole(file: &Value, structures: &[&str]) {
     for row in rows("structures") {
         assert!(row["bytes"].as_u64() > Some(0) && row["bytes_per_primitive"].as_f64() > Some(0.0), "{row}");
         for kind in KINDS {
-            assert!(row["nodes_per_ray"][kind].is_f64() && row["tests_per_ray"][kind].is_f64(), "{kind}: {row}");
+            for what in ["nodes_per_ray", "tests_per_ray", "nodes_per_ray_in_groups", "tests_per_ray_in_groups"] {
+                assert!(row[what][kind].is_f64(), "{what}, {kind}: {row}");
+            }
         }
         assert!(row["tests_per_ray"]["camera"].as_f64() > Some(0.0), "{row}");
         // In the list no node is visited.

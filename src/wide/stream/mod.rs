@@ -8,7 +8,7 @@
 //! Akenine-Moller, "Dynamic Ray Stream Traversal", ACM TOG 33(4), 2014, where rays of a stream visit a node together.)
 mod crowd;
 
-use super::many::{Answer, Many};
+use super::many::{Answer, Many, Purse};
 use super::walk::{Slabs, Waiting, lane};
 use super::{In, Node, Wide};
 use crate::blob::block::Block;
@@ -17,7 +17,7 @@ use crate::bvh::tree::root;
 use crate::geom::Ray;
 use crate::num::{byte, count, index};
 use crate::walk::lanes::{Lanes, Work};
-use crate::walk::{Best, Fuel, Meter, Stop, block};
+use crate::walk::{Best, Meter, Stop, block};
 use core::hint::select_unpredictable;
 use crowd::AT_ONCE;
 use crowd::{One, Rays};
@@ -30,16 +30,17 @@ const DEPTH: usize = 32;
 const AHEAD: usize = 4;
 
 /// A query of up to 64 rays, to be compiled for each instruction set.
-pub(super) struct Stream<'q, 'a, 'r, A, const ANY: bool, const W: usize> {
+pub(super) struct Stream<'q, 'a, 'r, A, P, const ANY: bool, const W: usize> {
     pub many: Many<'q, 'a, W>,
     pub rays: &'r [Ray],
     pub answers: &'r mut [A],
     /// Those that are asked for.
     pub which: u64,
     pub crowd: &'r mut Crowd,
+    pub purse: &'r mut P,
 }
 
-impl<A: Answer, const ANY: bool, const W: usize> Work for Stream<'_, '_, '_, A, ANY, W>
+impl<A: Answer, P: Purse, const ANY: bool, const W: usize> Work for Stream<'_, '_, '_, A, P, ANY, W>
 where
     Node<W>: Wide<W>,
 {
@@ -48,7 +49,7 @@ where
 
     #[inline(always)]
     fn run<L8: Lanes<8>, L4: Lanes<4>>(self) -> u64 {
-        let Self { many, rays, answers, which, crowd } = self;
+        let Self { many, rays, answers, which, crowd, purse } = self;
         let (mut alone, mut enter) = (0, 0);
         for (c, eight) in rays.chunks(AT_ONCE).enumerate() {
             let from = count(c * AT_ONCE);
@@ -70,7 +71,9 @@ where
         }
         alone &= which;
         enter &= which;
-        let lost = crowd.walk::<ANY, W, In<W, L8, L4>, L4>(many, enter).unwrap_or(enter);
+        let lost = crowd
+            .walk::<ANY, W, In<W, L8, L4>, L4>(many, enter, purse.open(many.fuel.saturating_mul(count(RAYS))))
+            .unwrap_or(enter);
         let mut answered = which & !alone & !lost;
         while answered != 0 {
             let i = index(answered.trailing_zeros());
@@ -130,6 +133,7 @@ impl Crowd {
         &mut self,
         many: Many<'_, '_, W>,
         mut enter: u64,
+        mut meter: impl Meter,
     ) -> Result<u64, Stop> {
         let root = root(many.view.nodes, many.prims.len);
         let (mut nodes, mut leaves) = (Queue::EMPTY, Queue::EMPTY);
@@ -141,15 +145,14 @@ impl Crowd {
             leaves.put(i, !root.is_node());
         }
         let mut lost = 0;
-        let mut meter = Fuel(many.fuel.saturating_mul(count(RAYS)));
         while nodes.len | leaves.len != 0 {
             while nodes.len != 0 {
                 let turn = nodes.len;
                 nodes.len = 0;
-                if !meter.prims(count(turn)) {
-                    return Err(Stop::Fuel);
-                }
                 for j in 0..turn {
+                    if !meter.node() {
+                        return Err(Stop::Fuel);
+                    }
                     let i = nodes.get(j);
                     let next = self.node::<ANY, W, L>(many.view.nodes, i)?;
                     if let Some(next) = next {
@@ -223,7 +226,7 @@ impl Crowd {
         &mut self,
         blocks: &[Block],
         i: usize,
-        meter: &mut Fuel,
+        meter: &mut impl Meter,
     ) -> Result<Child, Stop> {
         let i = i % RAYS;
         let (at, ray) = (self.at[i], One { rays: &self.rays, i });

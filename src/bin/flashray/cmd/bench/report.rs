@@ -37,20 +37,34 @@ const WORK: [Column; 10] = [
     Column("primitives tested", "chord", 2, 1.0, "/tests_per_ray/chord"),
 ];
 
+const GROUPED: [Column; 8] = [
+    Column("nodes visited", "camera", 2, 1.0, "/nodes_per_ray_in_groups/camera"),
+    Column("nodes visited", "diffuse", 2, 1.0, "/nodes_per_ray_in_groups/diffuse"),
+    Column("nodes visited", "shadow", 2, 1.0, "/nodes_per_ray_in_groups/shadow"),
+    Column("nodes visited", "chord", 2, 1.0, "/nodes_per_ray_in_groups/chord"),
+    Column("primitives tested", "camera", 2, 1.0, "/tests_per_ray_in_groups/camera"),
+    Column("primitives tested", "diffuse", 2, 1.0, "/tests_per_ray_in_groups/diffuse"),
+    Column("primitives tested", "shadow", 2, 1.0, "/tests_per_ray_in_groups/shadow"),
+    Column("primitives tested", "chord", 2, 1.0, "/tests_per_ray_in_groups/chord"),
+];
+
+/// Rays that are handed over at a time.
+const GROUP: usize = 64;
+
 const LEGEND: &str = "\
     Mrays/s: millions of rays a second on one thread, caches warm; the median of the rounds, and the quartiles around \
     it. In a round all rows take turns. Modes: single asks ray by ray, the others hand over 64 rays at a time. Camera \
     rays (primary) come in squares of 8 by 8 pixels; diffuse and shadow rays start where those hit, in their order; \
     chords (random) run between points on a sphere around all. Shadow rays ask for any hit, the others for the \
     closest. a miss: a ray that does not come near the scene's box. Nodes visited and primitives tested are those of \
-    single rays.";
+    single rays; in groups, those that 64 rays fetch together, over the number of rays.";
 
 /// A mode as the command line has it.
 pub fn name(mode: Mode) -> String {
     mode.to_possible_value().map_or_else(String::new, |value| value.get_name().to_owned())
 }
 
-/// What is known of a structure: its size, and what single rays do in it.
+/// What is known of a structure: its size, and what rays do in it, one by one and in groups.
 pub fn structure(built: &Built, scene: &Scene<'_>, rays: &Rays) -> Value {
     let bytes = built.blob.len();
     let mut facts = json!({
@@ -64,12 +78,29 @@ pub fn structure(built: &Built, scene: &Scene<'_>, rays: &Rays) -> Value {
             let steps = steps(ray);
             [sum[0] + u64::from(steps.nodes), sum[1] + u64::from(steps.prims)]
         };
-        let sums = rays.iter().fold([0; 2], add);
-        for (name, sum) in ["nodes_per_ray", "tests_per_ray"].iter().zip(sums) {
+        let [nodes, tests] = rays.iter().fold([0; 2], add);
+        let [group_nodes, group_tests] = rays.chunks(GROUP).fold([0; 2], |sum, rays| grouped(scene, rays, i, sum));
+        for (name, sum) in [
+            ("nodes_per_ray", nodes),
+            ("tests_per_ray", tests),
+            ("nodes_per_ray_in_groups", group_nodes),
+            ("tests_per_ray_in_groups", group_tests),
+        ] {
             facts[name][kind] = json!((!rays.is_empty()).then(|| sum as f64 / rays.len() as f64));
         }
     }
     facts
+}
+
+/// Adds the nodes and tests of a group of rays of a kind.
+fn grouped(scene: &Scene<'_>, rays: &[Ray], kind: usize, sum: [u64; 2]) -> [u64; 2] {
+    let (mut hits, mut any) = ([None; GROUP], [false; GROUP]);
+    let steps = if kind == SHADOW {
+        scene.any_hits_counted(rays, &mut any)
+    } else {
+        scene.closest_hits_counted(rays, &mut hits)
+    };
+    [sum[0] + u64::from(steps.nodes), sum[1] + u64::from(steps.prims)]
 }
 
 /// How fast a way is.
@@ -105,7 +136,8 @@ pub fn text(facts: &Value) -> String {
         let kinds: Vec<String> = structures.iter().map(|row| label(row, &["kind"])).collect();
         text = text + &caption(file, facts, names.len()) + "\n\nMrays/s\n";
         text = text + &aligned("structure lanes mode", &names, ways, &SPEEDS) + "\n\nWork per ray\n";
-        text = text + &aligned("structure", &kinds, structures, &WORK) + "\n\n";
+        text = text + &aligned("structure", &kinds, structures, &WORK) + "\n\nWork per ray in groups\n";
+        text = text + &aligned("structure", &kinds, structures, &GROUPED) + "\n\n";
     }
     text + &wrapped(LEGEND, 110)
 }
