@@ -38,6 +38,8 @@ where
     ///
     /// # Errors
     /// The first rule that is broken, and where.
+    // Out of line: the stack of a caller that knows both widths would hold two ways to the root.
+    #[inline(never)]
     pub fn check(&self, prims: &Prims<'_>, bounds: &Aabb) -> Result<u32, BlobError> {
         let way = heapless::Vec::new();
         let mut pass =
