@@ -237,13 +237,16 @@ fn run_scene(s: &Scene, peers: &mut [Box<dyn Peer>], judge: usize, o: &Options) 
                     bad.miss += wrong_hit as usize;
                     bad.t += wrong_t as usize;
                     if (wrong_hit || wrong_t) && p.name().starts_with("flashray") && bad.miss + bad.t <= ASKED {
-                        let t = exact::closest(&s.tris, &r[q]);
-                        bad.upheld += if any {
-                            (b[q] == t.is_finite()) as usize
-                        } else {
-                            let (ours, hit) = (f64::from(h[q].t), h[q].t < f32::INFINITY);
-                            (hit == t.is_finite() && (!hit || (ours - t).abs() <= f64::from(tol))) as usize
+                        let t = match (any, b[q], h[q].t < f32::INFINITY) {
+                            (true, true, _) => 0.0,
+                            (false, _, true) => f64::from(h[q].t),
+                            _ => f64::INFINITY,
                         };
+                        match exact::judge(&s.tris, &r[q], t, any, f64::from(tol)) {
+                            exact::Verdict::Right => bad.upheld += 1,
+                            exact::Verdict::Undecided => bad.undecided += 1,
+                            exact::Verdict::Wrong => {}
+                        }
                     }
                 }
                 if secs > o.validate_s {

@@ -97,7 +97,7 @@ impl Runs {
         let _ = writeln!(
             s,
             "\nWrong: hit or miss, or the distance by more than a thousandth of the scene, is not as by `{}`; of our rows only \
-             where all triangles in f64 do not side with us.\n",
+             where all triangles in f64 side with it.\n",
             self.judge
         );
         self.scene_table(&mut s, "flashray-wide");
@@ -124,7 +124,10 @@ impl Runs {
         let sets = rows.iter().filter_map(|(row, _)| row["sets"].as_object()).flat_map(|sets| sets.values());
         let (wrong, checked) = sets.fold((0.0, 0.0), |(wrong, checked), set| {
             let part = |key: &str| set[key].as_f64().unwrap_or(0.0);
-            (wrong + part("wrong_hit_miss") + part("wrong_distance") - part("upheld"), checked + part("checked"))
+            (
+                wrong + part("wrong_hit_miss") + part("wrong_distance") - part("upheld") - part("undecided"),
+                checked + part("checked"),
+            )
         });
         let wrong = (one && checked > 0.0).then(|| wrong / checked * 1e6);
         let ratios: Vec<String> = cells.iter().map(|x| cell(*x, 2)).collect();

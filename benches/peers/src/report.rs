@@ -12,6 +12,15 @@ pub struct Bad {
     pub t: usize,
     /// Of those, how many the f64 reference gives as this peer does, and not as the judge does. Only ours are asked.
     pub upheld: usize,
+    /// And how many lie so close to an edge that f64 can not tell, either.
+    pub undecided: usize,
+}
+
+impl Bad {
+    /// Answers that are wrong, as far as is known.
+    fn wrong(self) -> usize {
+        self.miss + self.t - self.upheld - self.undecided
+    }
 }
 
 #[derive(Clone, Copy)]
@@ -71,14 +80,29 @@ pub fn table(r: &SceneResult) -> String {
         }
         writeln!(s).unwrap();
     }
-    writeln!(s, "(miss ns: per ray that misses the bounding box; Mrays/s: median over rounds; ratio: to the first row in the same\nround, median; wrong: rays whose hit/miss or distance differs from the robust row, '~' = the set was only checked in part)\n").unwrap();
+    writeln!(s, "(miss ns: per ray that misses the bounding box; Mrays/s: median over rounds; ratio: to the first row in the same\nround, median; wrong: rays whose hit/miss or distance differs from the robust row, '~' = the set was only checked in part; of ours without\nthose in which all triangles in f64 do not side with that row)").unwrap();
+    s += &disputes(r);
+    s.push('\n');
     s
 }
 
 fn wrong(c: &Cell, r: &SceneResult, row: &Row) -> String {
     let set = row.cells.iter().position(|x| x.as_ref().is_some_and(|x| std::ptr::eq(x, c))).unwrap_or(0);
     let part = c.checked + 256 < r.sets[set].rays;
-    format!("{}{}", if part { "~" } else { "" }, c.bad.miss + c.bad.t)
+    format!("{}{}", if part { "~" } else { "" }, c.bad.wrong())
+}
+
+/// What became of the rays on which a peer of ours and the judge differ.
+fn disputes(r: &SceneResult) -> String {
+    let mut s = String::new();
+    for row in r.rows.iter().filter(|row| row.peer.starts_with("flashray")) {
+        let bad: Vec<Bad> = row.cells.iter().flatten().map(|c| c.bad).collect();
+        let sum = |f: fn(&Bad) -> usize| bad.iter().map(f).sum::<usize>();
+        let (all, upheld, undecided) = (sum(|b| b.miss + b.t), sum(|b| b.upheld), sum(|b| b.undecided));
+        let wrong = all - upheld - undecided;
+        writeln!(s, "{}: differs from the robust row in {all} rays; all triangles in f64 side with it in {upheld}, against it in {wrong}, and can not tell in {undecided}", row.peer).unwrap();
+    }
+    s
 }
 
 /// Geometric means of the ratios over all scenes, and the fastest peer of every column.
@@ -114,7 +138,7 @@ pub fn summary(all: &[SceneResult]) -> String {
         let (bad, n) = rows
             .iter()
             .flat_map(|r| r.cells.iter().flatten())
-            .fold((0, 0), |a, c| (a.0 + c.bad.miss + c.bad.t, a.1 + c.checked));
+            .fold((0, 0), |a, c| (a.0 + c.bad.wrong(), a.1 + c.checked));
         let b: Vec<f64> = rows.iter().filter_map(|r| r.bytes_per_tri).collect();
         let bt = if b.is_empty() { "?".into() } else { format!("{:.0}", b.iter().sum::<f64>() / b.len() as f64) };
         writeln!(s, " {:>11.2} {bt:>11}", bad as f64 * 1e6 / n.max(1) as f64).unwrap();
@@ -161,7 +185,7 @@ pub fn to_json(
                             sets.insert(
                                 SETS[k].into(),
                                 json!({"mrays": num(c.mrays), "ratio": num(c.ratio), "ratio_quartiles": [num(c.ratio_lo), num(c.ratio_hi)],
-                                       "wrong_hit_miss": c.bad.miss, "wrong_distance": c.bad.t, "upheld": c.bad.upheld, "checked": c.checked}),
+                                       "wrong_hit_miss": c.bad.miss, "wrong_distance": c.bad.t, "upheld": c.bad.upheld, "undecided": c.bad.undecided, "checked": c.checked}),
                             );
                         }
                     }
