@@ -4,12 +4,13 @@
 #
 #   benches/profile.sh IN ..
 #
-# An IN is what `flashray build` takes. STRUCTURE=wide, COUNT=20000 rays for callgrind; WITH="taskset -c 1" goes before
-# perf. Wants valgrind, perf and addr2line. Phases are told apart by the functions that an instruction was inlined from.
+# An IN is what `flashray build` takes. STRUCTURE=wide, MODE=single or group, COUNT=20000 rays for callgrind; SAMPLED=0
+# leaves the sampling out; WITH="taskset -c 1" goes before perf. Wants valgrind, perf and addr2line. Phases are told apart by
+# the functions that an instruction was inlined from.
 set -euo pipefail
 root=$(cd "$(dirname "$0")/.." && pwd)
 target=${CARGO_TARGET_DIR:-$root/target}/profile
-structure=${STRUCTURE:-wide}
+structure=${STRUCTURE:-wide} mode=${MODE:-single}
 # Line tables change no instruction.
 CARGO_PROFILE_RELEASE_DEBUG=1 cargo build --quiet --release --locked --features cli --bin flashray \
   --manifest-path "$root/Cargo.toml" --target-dir "$target"
@@ -17,31 +18,8 @@ flashray=$target/release/flashray
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 
-# Lines "address count" to lines "phase count".
-phases() {
-  sort >"$work/counts"
-  cut -d' ' -f1 "$work/counts" | addr2line -e "$flashray" -f -i -C -a >"$work/chains"
-  awk -v counts="$work/counts" '
-    function flush() {
-      if (address == "") return
-      # The outermost function: the walk, or the loop that calls it.
-      if (outer !~ /lanes::|::walk/) phase = outer ~ /trace|rayon/ && chain ~ /src\/scene\.rs/ ? "call" : "other"
-      else if (chain ~ /Given|prepare::|Prepared::new|Slabs<[^>]*>>?::new|Slabs::new/) phase = "preparation"
-      else if (chain ~ /walk\/block\.rs|walk\/leaf\.rs|geom\/(triangle|hit)\.rs/) phase = "triangle test"
-      else if (chain ~ /Slabs|bvh::walk::(both|boxes|pair|slab)|Prepared::slab/) phase = "box test"
-      else if (chain ~ /heapless|::wait|::nearest/) phase = "stack"
-      else if (chain ~ /(wide|bvh)\/walk\.rs/) phase = "node fetch and order"
-      else phase = "call"
-      of[address] = phase
-    }
-    /^0x/ { flush(); address = $0; sub(/^0x0*/, "", address); chain = ""; next }
-    { chain = chain "\n" $0; if ($0 !~ /:([0-9]+|\?)( \(.*\))?$/) outer = $0 }
-    END {
-      flush()
-      while ((getline line < counts) > 0) { split(line, f, " "); a = f[1]; sub(/^0x0*/, "", a); n[of[a]] += f[2] }
-      for (p in n) print p "\t" n[p]
-    }' "$work/chains"
-}
+# shellcheck source=benches/phases.sh
+source "$root/benches/phases.sh"
 
 order='preparation
 box test
@@ -75,14 +53,15 @@ for input in "$@"; do
   for kind in camera diffuse shadow chord; do
     any=$([[ $kind != shadow ]] || echo --any)
     # shellcheck disable=SC2086
-    trace() { "$@" "$flashray" trace "$work/scene.fray" --rays "$work/rays" -o "$work/hits" --threads 1 $any >/dev/null; }
+    trace() { "$@" "$flashray" trace "$work/scene.fray" --rays "$work/rays" -o "$work/hits" --threads 1 --mode "$mode" $any >/dev/null; }
     "$flashray" rays "$work/scene.fray" -o "$work/rays" --kind $kind --count "${COUNT:-20000}" >/dev/null
     rays=$(($(stat -c %s "$work/rays") / 32))
     trace valgrind --quiet --tool=callgrind --dump-instr=yes --compress-pos=no --compress-strings=no \
       --callgrind-out-file="$work/calls" 2>/dev/null
     # Self costs: an address, a line, a count; the line after "calls=" is the callee's.
-    awk '/^calls=/ { skip = 1; next } /^0x/ { if (!skip) n[$1] += $3; skip = 0 }
+    awk '/^ob=/ { ours = /flashray$/ } /^calls=/ { skip = 1; next } /^0x/ { if (ours && !skip) n[$1] += $3; skip = 0 }
       END { for (a in n) print a, n[a] }' "$work/calls" | phases | row "$name, $kind" "$rays" >>"$work/instructions"
+    [[ ${SAMPLED:-} != 0 ]] || continue
     # Rays enough for a second or so.
     "$flashray" rays "$work/scene.fray" -o "$work/rays" --kind $kind --count "${SAMPLED:-4000000}" >/dev/null
     trace ${WITH:-} perf record --quiet -F 4000 -e cpu-clock -o "$work/perf" 2>/dev/null
@@ -104,7 +83,8 @@ for input in "$@"; do
       END { for (a in n) print a, n[a] }' "$work/samples" | phases | row "$name, $kind" share >>"$work/shares"
   done
 done
-heading "Instructions per ray, \`$structure\`, one by one (callgrind):"
+heading "Instructions per ray, \`$structure\`, mode \`$mode\` (callgrind):"
 cat "$work/instructions"
+[[ ${SAMPLED:-} != 0 ]] || exit 0
 heading "Hundredths of the time of a query (perf, samples of the clock):"
 cat "$work/shares"
