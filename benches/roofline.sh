@@ -4,8 +4,9 @@
 #
 #   benches/roofline.sh IN ..
 #
-# An IN is what `flashray build` takes. RAYS=16384 of each kind are counted, and timed in ROUNDS=5; WITH="taskset
-# -c 1" goes before what is timed. Wants valgrind, addr2line and objdump, and x86-64 with AVX2.
+# An IN is what `flashray build` takes. RAYS=16384 of each kind are counted, and timed in ROUNDS=5, of which the better
+# quartile counts; WITH="taskset -c 1" goes before what is timed. DOCS=1 puts the tables into the page. Wants valgrind,
+# addr2line and objdump, and x86-64 with AVX2.
 #
 # operations: f32 additions, multiplications, divisions, extremes and comparisons, also of distances as whole numbers, in
 #   every lane of each instruction executed, whether the lane counts or not.
@@ -69,6 +70,7 @@ sums() {
 
 # Levels of memory: a half of the first and of the second cache, well beyond the second, and well beyond all.
 "$work/peaks" $((${l1%%,*} / 2)) $((${l2%%,*} / 2)) $((16 * ${l2%%,*})) $((1 << 30)) >"$work/best"
+[[ -z ${DOCS:-} ]] || exec > >(tee "$work/tables")
 peak() { awk -v key="$1" -v row="$2" '$1 == key && ++n == row { print $NF }' "$work/best"; }
 echo "| a core at best | first cache | second | beyond it, 32 MiB | memory, 1 GiB |"
 echo "|---|---|---|---|---|"
@@ -99,7 +101,7 @@ for input in "$@"; do
         awk -v title="$name, $structure, $mode, $kind" -v rays="$rays" -v sums="$(sums)" -v structure=$structure -v mode=$mode \
           -v column=$column -v ops_peak="$(peak operations 1)" -v b1="$(peak read 1)" -v b2="$(peak read 2)" -v b3="$(peak read 3)" \
           -v wait="$(peak chase 2)" '
-          $1 == structure && $3 == mode && ($2 == "avx2" || $2 == "-") { rate = $(4 + 3 * (column - 1)) }
+          $1 == structure && $3 == mode && ($2 == "avx2" || $2 == "-") { rate = $(6 + 3 * (column - 1)) }
           # Bytes and seconds a primitive come first; without the seconds of a blob.
           $1 == structure && NF == 11 { nodes = $(3 + column); tests = $(7 + column) }
           END {
@@ -119,3 +121,14 @@ for input in "$@"; do
     done
   done
 done
+
+# What stands between the two marks makes place for what was measured.
+if [[ -n ${DOCS:-} ]]; then
+  sleep 1 # tee writes by itself
+  page=$root/docs/performance.md
+  awk -v tables="$work/tables" '
+    /^<!-- end of roofline -->$/ { off = 0 }
+    !off { print }
+    /^<!-- roofline -->$/ { off = 1; while ((getline line < tables) > 0) print line }' "$page" >"$work/page"
+  cp "$work/page" "$page"
+fi
