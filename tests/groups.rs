@@ -93,6 +93,30 @@ fn groups_answer_as_one_ray_does() {
     all_rays("few", &mixed(5, 3), 500);
 }
 
+/// Triangles across the whole scene: a ray meets nearly every box.
+fn sheets(n: u32) -> Soup {
+    let mut random = Random::new(9);
+    let mut soup = Soup::default();
+    for i in 0..n {
+        soup.positions.extend([(); 3].map(|()| [(); 3].map(|()| random.signed())));
+        soup.triangles.push([3 * i, 3 * i + 1, 3 * i + 2]);
+    }
+    soup
+}
+
+/// Rays that have nothing in common, also where more children wait than a stream has room for.
+#[test]
+fn rays_from_everywhere_answer_as_one_ray_does() {
+    for (name, soup, count) in [("icosphere", icosphere(4), 6_000), ("sheets", sheets(4_000), 600)] {
+        for config in configs().iter().filter(|config| config.kind == Kind::Wide) {
+            let blob = build(&soup, config);
+            let scene = Scene::from_bytes(&blob).expect("a good blob");
+            assert!(name != "sheets" || scene.limits().stack > 32, "{name}: {:?}", scene.limits());
+            assert!(same(name, &scene, &hostile(&[scene], count, 3)) * 20 > count);
+        }
+    }
+}
+
 #[test]
 fn any_number_of_rays_of_any_sense_makes_groups() {
     let soup = icosphere(3);

@@ -28,10 +28,10 @@
 #[cfg(feature = "build")]
 pub mod build;
 mod check;
-mod each;
 mod group;
 mod many;
 mod packet;
+mod slabs;
 mod stream;
 mod walk;
 

@@ -3,16 +3,15 @@
 //! The interval of a child is that of [`Prepared::slab`], cut to the ray's: the same steps on each lane, but that extremes are
 //! taken in another order, which changes nothing. Where one child is met, and that is most often so, the walk goes on with it
 //! and nothing else is done; of several the nearest is next, and the others wait, the nearer above the farther.
-use super::{In, Node, STACK, View, Wide, each, slots};
+use super::slabs::Slabs;
+use super::{In, Node, STACK, View, Wide, slots};
 use crate::blob::prims::Prims;
+use crate::bvh::Child;
 use crate::bvh::tree::root;
-use crate::bvh::walk::Rows;
-use crate::bvh::{Child, Face};
 use crate::geom::ray::Prepared;
-use crate::geom::vec::Vec3;
 use crate::geom::{Aabb, Hit};
 use crate::num::index;
-use crate::walk::lanes::{self, Lanes, Row, Work};
+use crate::walk::lanes::{Lanes, Row, Work};
 use crate::walk::prepare::{Entered, Given, prepare};
 use crate::walk::{Best, Meter, Stop, block, test};
 
@@ -90,101 +89,6 @@ impl<const W: usize> View<'_, W> {
     ) -> Result<bool, Stop> {
         walk_with::<W, ANY, false, Row<W>, Row<4>>(self, prims, root(self.nodes, prims.len), ray, best, meter)
     }
-}
-
-/// What the box test reads of a ray.
-#[derive(Clone, Copy)]
-pub(super) struct Slab {
-    pub near_origin: Vec3,
-    pub far_origin: Vec3,
-    pub inv: Vec3,
-    pub t_min: f32,
-    pub rows: Rows,
-}
-
-/// What the box tests of a walk read of the ray, in every lane.
-pub(super) struct Slabs<const W: usize, L, const QUICK: bool> {
-    rows: Rows,
-    near_origin: [L; 3],
-    far_origin: [L; 3],
-    inv: [L; 3],
-    t_min: L,
-    /// For where there are no lanes.
-    ray: Slab,
-}
-
-impl<const W: usize, L: Lanes<W>, const QUICK: bool> Slabs<W, L, QUICK> {
-    #[inline(always)]
-    fn new(ray: &Prepared) -> Self {
-        Self::of(&Slab {
-            near_origin: ray.near_origin,
-            far_origin: if QUICK { farther(ray) } else { ray.far_origin },
-            inv: ray.inv,
-            t_min: ray.t_min,
-            rows: Rows::new(ray),
-        })
-    }
-
-    /// Of a ray whose numbers stand elsewhere.
-    #[inline(always)]
-    pub(super) fn of(ray: &Slab) -> Self {
-        let all = |[x, y, z]: [f32; 3]| [L::splat(x), L::splat(y), L::splat(z)];
-        Self {
-            rows: ray.rows,
-            near_origin: all(ray.near_origin),
-            far_origin: all(ray.far_origin),
-            inv: all(ray.inv),
-            t_min: L::splat(ray.t_min),
-            ray: *ray,
-        }
-    }
-
-    #[inline(always)]
-    fn plane(node: &Node<W>, face: Face, origin: L, inv: L) -> L {
-        (L::load(&node.planes[face.at()]) - origin) * inv
-    }
-
-    #[inline(always)]
-    fn most(a: L, b: L) -> L {
-        if QUICK { a.quick_most(b) } else { a.most(b) }
-    }
-
-    #[inline(always)]
-    fn least(a: L, b: L) -> L {
-        if QUICK { a.quick_least(b) } else { a.least(b) }
-    }
-
-    /// Which children are met up to `t_max`, one bit a lane, and where their intervals begin.
-    #[inline(always)]
-    pub(super) fn test(&self, node: &Node<W>, t_max: f32) -> (u32, L) {
-        if !lanes::HERE {
-            let (met, near) = each::test(node, &self.ray, t_max);
-            return (met, L::load(&near));
-        }
-        let ([nx, ny, nz], [fx, fy, fz]) = (self.rows.near, self.rows.far);
-        let [ix, iy, iz] = self.inv;
-        let [x, y, z] = self.near_origin;
-        // A NaN constrains nothing: it is the first operand of whichever extreme it meets first.
-        let near_x = Self::most(Self::plane(node, nx, x, ix), self.t_min);
-        let near_y = Self::most(Self::plane(node, ny, y, iy), near_x);
-        let near_z = Self::most(Self::plane(node, nz, z, iz), self.t_min);
-        let near = Self::most(near_y, near_z);
-        let [x, y, z] = self.far_origin;
-        let t_max = L::splat(t_max);
-        let far_x = Self::least(Self::plane(node, fx, x, ix), t_max);
-        let far_y = Self::least(Self::plane(node, fy, y, iy), far_x);
-        let far_z = Self::least(Self::plane(node, fz, z, iz), t_max);
-        let far = Self::least(far_y, far_z);
-        (if QUICK { near.quick_le(far) } else { near.le(far) }, near)
-    }
-}
-
-/// The padded origin of farther planes with twice the pad: a distance that would be `-0.0`, which the quick test takes for a
-/// negative one, is then positive. Boxes that are taken for that are no loss, and none is lost.
-#[inline(always)]
-fn farther(ray: &Prepared) -> [f32; 3] {
-    let away = |k: usize| ray.far_origin[k] + (ray.far_origin[k] - ray.origin[k]);
-    [away(0), away(1), away(2)]
 }
 
 /// A child that waits, and the distance at which its box begins.

@@ -12,7 +12,7 @@ use crate::walk::Best;
 use crate::walk::block::Aim;
 use crate::walk::lanes::Lanes;
 use crate::walk::packet::Place;
-use crate::wide::walk::Slab;
+use crate::wide::slabs::Slab;
 
 /// Rays that are prepared at once.
 pub(super) const AT_ONCE: usize = 8;

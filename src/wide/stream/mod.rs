@@ -9,7 +9,8 @@
 mod crowd;
 
 use super::many::{Answer, Many, Purse};
-use super::walk::{Slabs, Waiting, lane};
+use super::slabs::Slabs;
+use super::walk::{Waiting, lane};
 use super::{In, Node, Wide};
 use crate::blob::block::Block;
 use crate::bvh::Child;
