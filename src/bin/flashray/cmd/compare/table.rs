@@ -91,7 +91,7 @@ pub const LEGEND: &str = "\
     since the ray met the primitive in a cell before. Camera rays start at a camera, diffuse and shadow rays where \
     those hit, chords run between points on a sphere around all. Shadow rays ask for any hit, so they stop at the \
     first they find; the others ask for the closest. Mrays/s: millions of rays a second without a mailbox, medians, \
-    caches warm; groups are of 64 rays, which this version answers one after another. times the list: one by one.";
+    caches warm; groups are of 64 rays a call. times the list: one by one.";
 
 /// The tables as text.
 pub fn report(facts: &Value) -> String {
