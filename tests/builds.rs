@@ -89,12 +89,12 @@ fn any_number_of_threads_builds_the_same_bytes() {
 /// builds, as without the feature.
 #[test]
 fn a_large_scene_in_lent_memory_by_one_thread_has_the_same_bytes() {
-    const PRIMS: usize = 10_000;
+    const PRIMS: usize = 20_000;
     let soup = shards(PRIMS as u32);
     let build = move || {
-        let (mut refs, mut nodes) = (heapless::Vec::<_, PRIMS>::new(), heapless::Vec::<_, 9_990>::new());
-        let (mut cells, mut slots) = (heapless::Vec::<_, 40_000>::new(), heapless::Vec::<_, 0>::new());
-        let mut out = vec![0; 2 << 20];
+        let (mut refs, mut nodes) = (heapless::Vec::<_, PRIMS>::new(), heapless::Vec::<_, 19_990>::new());
+        let (mut cells, mut slots) = (heapless::Vec::<_, 80_000>::new(), heapless::Vec::<_, 0>::new());
+        let mut out = vec![0; 4 << 20];
         for kind in [Kind::Bvh, Kind::Sphere, Kind::Wide] {
             for quality in [Quality::Fast, Quality::Default] {
                 let config = Config::new(kind).quality(quality);
@@ -104,7 +104,7 @@ fn a_large_scene_in_lent_memory_by_one_thread_has_the_same_bytes() {
             }
         }
     };
-    let stack = std::thread::Builder::new().stack_size(32 << 20);
+    let stack = std::thread::Builder::new().stack_size(64 << 20);
     stack.spawn(build).expect("a thread").join().expect("the same bytes");
 }
 

@@ -223,7 +223,7 @@ impl Team {
 
     /// Which packets may meet a child's box.
     #[inline(always)]
-    fn meet<const W: usize, L: Lanes<8>>(&self, rows: &Rows, node: &Node<W>, lane: usize) -> u32 {
+    fn meet<const W: usize, L: Lanes<8>>(&self, rows: Rows, node: &Node<W>, lane: usize) -> u32 {
         let (mut near, mut far) = (L::load(&self.t_min), L::load(&self.t));
         for k in 0..3 {
             let (small, large) = (L::load(&self.small[k]), L::load(&self.large[k]));
@@ -260,16 +260,16 @@ impl Team {
                 let one = packets.is_power_of_two();
                 let (mut maybe, near) = if one {
                     let packet = packets.trailing_zeros();
-                    self.one(packet).meet::<W, LW>(&rows, node, self.t[index(packet) % PACKETS])
+                    self.one(packet).meet::<W, LW>(rows, node, self.t[index(packet) % PACKETS])
                 } else {
-                    range.meet::<W, LW>(&rows, node, farthest)
+                    range.meet::<W, LW>(rows, node, farthest)
                 };
                 let near = near.store();
                 let mut sorted = 0usize;
                 while maybe != 0 {
                     let lane = index(maybe.trailing_zeros()) % W;
                     maybe &= maybe - 1;
-                    let met = if one { packets } else { packets & self.meet::<W, L>(&rows, node, lane) };
+                    let met = if one { packets } else { packets & self.meet::<W, L>(rows, node, lane) };
                     if met == 0 {
                         continue;
                     }
@@ -337,7 +337,7 @@ impl Team {
 impl Range {
     /// Which children any ray may meet up to `t_max`, and from which distance on.
     #[inline(always)]
-    pub(super) fn meet<const W: usize, L: Lanes<W>>(&self, rows: &Rows, node: &Node<W>, t_max: f32) -> (u32, L) {
+    pub(super) fn meet<const W: usize, L: Lanes<W>>(&self, rows: Rows, node: &Node<W>, t_max: f32) -> (u32, L) {
         let (mut near, mut far) = (L::splat(self.t_min), L::splat(t_max));
         let ends = |face: Face, k: usize, origin: f32| {
             let x = L::load(&node.planes[face.at()]) - L::splat(origin);

@@ -99,13 +99,13 @@ fn walk<const ANY: bool, const N: usize, const W: usize, L: Lanes<N>, LW: Lanes<
         if at.is_node() {
             fuel = fuel.checked_sub(1).ok_or(Stop::Fuel)?;
             let node = view.nodes.get(index(at.number())).ok_or(Stop::Corrupt)?;
-            let (mut maybe, near) = range.meet::<W, LW>(&rows, node, farthest);
+            let (mut maybe, near) = range.meet::<W, LW>(rows, node, farthest);
             let near = near.store();
             let mut sorted = 0usize;
             while maybe != 0 {
                 let lane = index(maybe.trailing_zeros()) % W;
                 maybe &= maybe - 1;
-                let met = rays & meets::<N, W, L>(packet, &rows, node, lane);
+                let met = rays & meets::<N, W, L>(packet, rows, node, lane);
                 if met == 0 {
                     continue;
                 }
@@ -147,7 +147,7 @@ fn walk<const ANY: bool, const N: usize, const W: usize, L: Lanes<N>, LW: Lanes<
 #[inline(always)]
 fn meets<const N: usize, const W: usize, L: Lanes<N>>(
     packet: &Packet<N>,
-    rows: &Rows,
+    rows: Rows,
     node: &Node<W>,
     lane: usize,
 ) -> u32 {

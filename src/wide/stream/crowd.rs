@@ -69,10 +69,11 @@ const ROWS: [Rows; 8] = {
 
 /// Bits as bytes of 0 and 1, the lowest first.
 #[inline(always)]
-const fn bytes(bits: u32) -> u64 {
+fn bytes(bits: u32) -> u64 {
+    let bits = u64::from(bits);
     // Each bit meets its own byte: seven copies of the bits, each seven places on.
-    let low = (bits as u64 & 127).wrapping_mul(0x0002_0408_1020_4081) & 0x0101_0101_0101_0101;
-    low | (bits as u64 >> 7 & 1) << 56
+    let low = (bits & 127).wrapping_mul(0x0002_0408_1020_4081) & 0x0101_0101_0101_0101;
+    low | (bits >> 7 & 1) << 56
 }
 
 /// On each lane, the number on the axis that is `A` after the largest: that is y, or z, in these lanes, else x.
