@@ -17,7 +17,7 @@ use crate::walk::{Fuel, Isa, Meter, Tally};
 const MOST: usize = 6;
 /// So many rays make a stream.
 const STREAM: u32 = 8;
-/// The longest spell without a try of groups, in groups.
+/// The longest spell without a try of groups, and that without a stream where one did not pay; in groups.
 const SPELL: u32 = 16;
 /// From a ray to one an eighth of the group on, so many steps of seven may be far.
 const FAR_STEPS: usize = 1;
@@ -148,7 +148,7 @@ where
         purse: &mut P,
     ) {
         let mut crowd = Crowd::EMPTY;
-        let (mut pause, mut spell) = (1u32, 1);
+        let (mut pause, mut spell, mut alone) = (1u32, 1, 0u32);
         let first = core::iter::once(first);
         // Where a group was of no use the next are not tried for a spell, each twice as long as that before.
         let rest = rest.map(|(rays, answers)| (u64::MAX, rays, answers));
@@ -163,7 +163,9 @@ where
                     pause = spell;
                 }
             }
-            if left.count_ones() >= STREAM {
+            if alone > 0 {
+                alone -= 1;
+            } else if left.count_ones() >= STREAM {
                 left = self.isa.run(Stream::<_, _, ANY, W> {
                     many: self,
                     rays,
@@ -172,6 +174,7 @@ where
                     crowd: &mut crowd,
                     purse,
                 });
+                alone = if crowd.paid() { 0 } else { SPELL };
             }
             self.alone::<A, P, ANY>(left, rays, answers, purse);
         }
