@@ -148,7 +148,8 @@ where
         purse: &mut P,
     ) {
         let mut crowd = Crowd::EMPTY;
-        let (mut pause, mut spell, mut alone) = (1u32, 1, 0u32);
+        // The first has been tried.
+        let (mut pause, mut spell, mut alone) = (2u32, 1, 0u32);
         let first = core::iter::once(first);
         // Where a group was of no use the next are not tried for a spell, each twice as long as that before.
         let rest = rest.map(|(rays, answers)| (u64::MAX, rays, answers));
