@@ -1,6 +1,7 @@
 //! A loaded blob, and the queries on it.
 
 mod many;
+mod views;
 
 use crate::blob::prims::{Primitive, Prims};
 use crate::blob::{Blob, BlobError, Kind, Rule, Section};
@@ -11,7 +12,7 @@ use crate::walk::lanes;
 use crate::walk::mailbox::{Mailbox, NoMailbox};
 use crate::walk::prepare::Given;
 use crate::walk::{Best, Fuel, Isa, Meter, Part, Steps, Stop, Tally};
-use crate::{bsp, bvh, grid, list, nested, octree, voxel, wide};
+use crate::{bvh, list, wide};
 
 /// What bounds every query on a blob.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -344,41 +345,5 @@ impl<'a> Scene<'a> {
     /// Calls `each` with every node and cell of the structure: for those who measure or draw it.
     pub fn parts(&self, mut each: impl FnMut(Part)) {
         self.structure.parts(&self.prims, self.bounds, &mut each);
-    }
-
-    /// The hierarchy, if this is one.
-    #[must_use]
-    pub const fn bvh(&self) -> Option<bvh::View<'a>> {
-        if let Structure::Bvh(view) = self.structure { Some(view) } else { None }
-    }
-
-    /// The grid, if this is one.
-    #[must_use]
-    pub const fn grid(&self) -> Option<grid::View<'a>> {
-        if let Structure::Grid(view) = self.structure { Some(view) } else { None }
-    }
-
-    /// The sparse voxels, if this is them.
-    #[must_use]
-    pub const fn voxel(&self) -> Option<voxel::View<'a>> {
-        if let Structure::Voxel(view) = self.structure { Some(view) } else { None }
-    }
-
-    /// The hierarchy of grids, if this is one.
-    #[must_use]
-    pub const fn nested(&self) -> Option<nested::View<'a>> {
-        if let Structure::Nested(view) = self.structure { Some(view) } else { None }
-    }
-
-    /// The octree, if this is one.
-    #[must_use]
-    pub const fn octree(&self) -> Option<octree::View<'a>> {
-        if let Structure::Octree(view) = self.structure { Some(view) } else { None }
-    }
-
-    /// The binary space partition, if this is one.
-    #[must_use]
-    pub const fn bsp(&self) -> Option<bsp::View<'a>> {
-        if let Structure::Bsp(view) = self.structure { Some(view) } else { None }
     }
 }

@@ -3,6 +3,8 @@
 //! A number of all of them stands in one row, so that one instruction does the same step for each. On each lane the steps
 //! are those of [`Prepared::new`] and [`Triangle::crossing`](crate::geom::Triangle::crossing), in the same order, so the
 //! answers have the same bits. A lane for which `f32` is not enough goes to the one-triangle test.
+mod range;
+
 use super::NO_PRIM;
 use super::heading::Heading;
 use super::lanes::Lanes;
@@ -12,6 +14,7 @@ use crate::geom::triangle::{LEAST_DET, MOST_CANCELLED, MOST_DET};
 use crate::geom::vec::{Vec3, least, most};
 use crate::geom::{Aabb, Hit, Ray};
 use crate::num::index;
+pub(crate) use range::Range;
 
 /// Where a scene is.
 #[derive(Clone, Copy)]
@@ -316,42 +319,5 @@ impl<L> Sheared<L> {
         L: Lanes<N>,
     {
         (self.x * to.y, self.y * to.x)
-    }
-}
-
-/// The extremes of the rays of a packet, or of several: an interval that holds each number of each ray.
-#[derive(Clone, Copy)]
-pub(crate) struct Range {
-    /// The origin from which nearer planes are nearest, and that from which farther planes are farthest.
-    pub(crate) near_origin: Vec3,
-    pub(crate) far_origin: Vec3,
-    /// The inverses of the least and of the greatest size.
-    pub(crate) small: Vec3,
-    pub(crate) large: Vec3,
-    pub(crate) t_min: f32,
-}
-
-impl Range {
-    pub(crate) const EMPTY: Self =
-        Self { near_origin: [0.0; 3], far_origin: [0.0; 3], small: [0.0; 3], large: [0.0; 3], t_min: 0.0 };
-}
-
-impl<const N: usize> Packet<N> {
-    /// The extremes of all lanes, also of those that are not live.
-    #[inline(always)]
-    pub(crate) fn range<L: Lanes<N>>(&self, heading: Heading) -> Range {
-        let mut range = Range { t_min: L::load(&self.t_min).smallest(), ..Range::EMPTY };
-        for k in 0..3 {
-            let end = |row: &Each<N>, greatest: bool| {
-                let row = L::load(row);
-                if greatest { row.greatest() } else { row.smallest() }
-            };
-            let negative = heading.negative[k];
-            range.near_origin[k] = end(&self.near_origin[k], !negative);
-            range.far_origin[k] = end(&self.far_origin[k], negative);
-            range.small[k] = end(&self.inv[k], negative);
-            range.large[k] = end(&self.inv[k], !negative);
-        }
-        range
     }
 }

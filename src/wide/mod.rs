@@ -29,6 +29,7 @@
 pub mod build;
 mod check;
 mod group;
+mod interval;
 mod many;
 mod packet;
 mod slabs;
