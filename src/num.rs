@@ -43,14 +43,6 @@ pub const fn weight(n: usize) -> f32 {
     n as f32
 }
 
-/// The lowest 32 bits.
-#[cfg(feature = "build")]
-#[inline(always)]
-#[must_use]
-pub const fn low(n: i64) -> u32 {
-    n as u32
-}
-
 /// A small number as f32; exact to 2^24.
 #[inline(always)]
 #[must_use]
