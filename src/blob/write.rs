@@ -6,6 +6,7 @@ use super::{Kind, MAGIC, MAX_SECTIONS, Section, VERSION};
 use crate::geom::Aabb;
 use crate::num::{bytes_of, count, index};
 use bytemuck::Zeroable;
+use core::ops::Range;
 use heapless::Vec;
 
 /// Which sections a blob has, and where.
@@ -99,14 +100,25 @@ pub struct Writer<'l, 'o> {
 impl<'o> Writer<'_, 'o> {
     /// Writes a section's entries from an iterator, as many as the layout has room for.
     pub fn section<T: bytemuck::NoUninit>(&mut self, section: Section, items: impl Iterator<Item = T>) {
-        let Some(entry) = self.layout.entries.iter().find(|e| e.section == section.number()) else {
-            return;
-        };
-        let (start, len) = (index(entry.offset), index(entry.length));
-        let place = self.bytes.get_mut(start..).and_then(|b| b.get_mut(..len)).unwrap_or(&mut []);
+        let range = self.range(section);
+        let place = self.bytes.get_mut(range).unwrap_or(&mut []);
         for (place, item) in place.chunks_exact_mut(size_of::<T>().max(1)).zip(items) {
             place.copy_from_slice(bytemuck::bytes_of(&item));
         }
+    }
+
+    /// The places of two sections, the first of which stands before the other; empty for one that the layout has not.
+    pub fn places(&mut self, first: Section, second: Section) -> [&mut [u8]; 2] {
+        let (first, second) = (self.range(first), self.range(second));
+        let middle = if second.is_empty() { first.end } else { second.start };
+        let (head, tail) = self.bytes.split_at_mut_checked(middle).unwrap_or((&mut [], &mut []));
+        [head.get_mut(first).unwrap_or(&mut []), tail.get_mut(..second.len()).unwrap_or(&mut [])]
+    }
+
+    /// Where a section is; nowhere, if the layout has it not.
+    fn range(&self, section: Section) -> Range<usize> {
+        let entry = self.layout.entries.iter().find(|e| e.section == section.number());
+        entry.map_or(0..0, |e| index(e.offset)..index(e.offset) + index(e.length))
     }
 
     /// Writes the checksum; the blob is complete.

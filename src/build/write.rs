@@ -112,10 +112,14 @@ impl Plan<'_> {
             Built::List => {}
             Built::Bvh(tree) => writer.section(Section::BvhNodes, tree.nodes()),
             Built::Wide(tree) => {
-                writer.section(Section::Blocks, tree.blocks(|prim| self.triangle(prim)));
-                // One of the two has a place in the layout.
-                writer.section(Section::WideNodes, tree.nodes::<8>());
-                writer.section(Section::Wide4Nodes, tree.nodes::<4>());
+                let (section, _) = tree.section();
+                let [blocks, nodes] = writer.places(Section::Blocks, section);
+                let triangle = |prim| self.triangle(prim);
+                if section == Section::Wide4Nodes {
+                    tree.write::<4>(nodes, blocks, triangle);
+                } else {
+                    tree.write::<8>(nodes, blocks, triangle);
+                }
             }
             Built::Sphere(tree) => writer.section(Section::SphereNodes, sphere::build::nodes(*tree)),
             Built::Parts(parts) => {

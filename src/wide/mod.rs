@@ -119,16 +119,6 @@ impl<const W: usize> Node<W> {
         self.child[lane] = child;
     }
 
-    /// The same with fewer lanes, or more; those left out have no child.
-    #[cfg(feature = "build")]
-    fn narrowed<const TO: usize>(&self) -> Node<TO> {
-        let mut node = Node::EMPTY;
-        for (lane, &child) in self.child.iter().enumerate().take(TO) {
-            node.set(lane, child, &self.bounds(lane));
-        }
-        node
-    }
-
     /// As it stands in a blob.
     #[cfg(feature = "build")]
     #[must_use]

@@ -34,22 +34,53 @@ impl Forests {
     }
 }
 
-/// A forest of so many roots.
+/// What a forest is made of.
 #[derive(Clone, Copy, Debug)]
-struct Forest {
-    /// Least cost, weighed with the areas of roots.
-    cost: f32,
+struct Made {
     /// Wide nodes.
     nodes: u32,
     blocks: u32,
+    roots: u32,
+    /// Most entries of a walk's stack at a root and below it, were there nothing else.
+    stack: u32,
 }
 
-/// The forests of up to one, two .. eight roots of a child. Only the node above asks for them: so they are no more than
-/// a tree is deep at a time.
-type Costs<const W: usize> = [Forest; W];
+/// The best forests of up to one, two .. eight roots of a child. Only the node above asks for them: so they are no more
+/// than a tree is deep at a time.
+#[derive(Clone, Copy, Debug)]
+struct Best<const W: usize> {
+    /// Least costs, weighed with the areas of roots.
+    costs: [f32; W],
+    made: [Made; W],
+}
 
-const fn of<const W: usize>(forests: &Costs<W>, roots: usize) -> Forest {
-    forests[(roots - 1) % W]
+impl<const W: usize> Best<W> {
+    /// Of a leaf.
+    fn leaf(cost: f32, blocks: u32) -> Self {
+        Self { costs: [cost; W], made: [Made { nodes: 0, blocks, roots: 1, stack: 0 }; W] }
+    }
+
+    /// The cheapest way to part so many roots between two children: how many stand for this one.
+    #[inline(always)]
+    fn parted(&self, right: &Self, roots: usize) -> (f32, usize) {
+        let mut best = (self.costs[0] + right.costs[(roots - 2) % W], 1);
+        for left in 2..roots {
+            let cost = self.costs[left - 1] + right.costs[(roots - left - 1) % W];
+            best = if cost < best.0 { (cost, left) } else { best };
+        }
+        best
+    }
+
+    /// What comes of that.
+    fn both(&self, right: &Self, roots: usize, left: usize) -> Made {
+        let (a, b) = (&self.made[(left - 1) % W], &right.made[(roots - left - 1) % W]);
+        Made {
+            nodes: a.nodes + b.nodes,
+            blocks: a.blocks + b.blocks,
+            roots: a.roots + b.roots,
+            stack: a.stack.max(b.stack),
+        }
+    }
 }
 
 /// A binary tree and what is known about its nodes.
@@ -71,58 +102,49 @@ impl Known<'_> {
     }
 
     /// A leaf of so many primitives.
-    fn leaf(&self, prims: u32, area: f32) -> Forest {
+    fn leaf<const W: usize>(&self, prims: u32, area: f32) -> Best<W> {
         let blocks = prims.div_ceil(self.lanes);
-        Forest { cost: area * BLOCK_COST * weight(index(blocks)), nodes: 0, blocks }
+        Best::leaf(area * BLOCK_COST * weight(index(blocks)), blocks)
     }
 
     /// The forests of a node of this area, those of its children being known; leaves have at most `most` primitives.
     fn forests<const W: usize>(
         &self,
         node: &bvh::Node,
-        below: &[Costs<W>; 2],
+        [a, b]: [&Best<W>; 2],
         area: f32,
         most: u32,
-    ) -> (Forests, Costs<W>) {
-        let [a, b] = below;
-        let both = |left: usize, right: usize| {
-            let (a, b) = (of(a, left), of(b, right));
-            Forest { cost: a.cost + b.cost, nodes: a.nodes + b.nodes, blocks: a.blocks + b.blocks }
-        };
-        // The cheapest way to part so many roots.
-        let parted = |roots: usize| {
-            let mut best = (both(1, roots - 1), 1);
-            for left in 2..roots {
-                let forest = both(left, roots - left);
-                if forest.cost < best.0.cost {
-                    best = (forest, left);
-                }
-            }
-            best
-        };
+    ) -> (Forests, Best<W>) {
         let prims = node.child.iter().map(|&at| self.forest(at).map_or(at.len(), |f| f.prims)).sum();
-        let (wide, left) = parted(W);
-        let wide = Forest { cost: wide.cost + area * NODE_COST, nodes: wide.nodes + 1, ..wide };
-        let leaf = self.leaf(prims, area);
-        let is_leaf = prims <= most && leaf.cost <= wide.cost;
+        let (cost, left) = a.parted(b, W);
+        let cost = cost + area * NODE_COST;
+        let kids = a.both(b, W, left);
+        // A walk takes one of the children from the stack before it visits it.
+        let stack = kids.roots + kids.stack.saturating_sub(1);
+        let wide = Made { nodes: kids.nodes + 1, blocks: kids.blocks, roots: 1, stack };
+        let mut best = self.leaf(prims, area);
+        let is_leaf = prims <= most && best.costs[0] <= cost;
+        if !is_leaf {
+            best = Best { costs: [cost; W], made: [wide; W] };
+        }
         let mut known = Forests { how: u32::from(is_leaf), prims, nodes: wide.nodes, blocks: wide.blocks };
-        let mut all = [if is_leaf { leaf } else { wide }; W];
-        let mut fewer = all[0];
-        for (roots, place) in (2..).zip(all.iter_mut().skip(1)) {
-            let (apart, left) = parted(roots);
-            if apart.cost < fewer.cost {
-                fewer = apart;
+        for roots in 2..=W {
+            let (cost, left) = a.parted(b, roots);
+            let fewer = roots - 2;
+            (best.costs[roots - 1], best.made[roots - 1]) = (best.costs[fewer], best.made[fewer]);
+            if cost < best.costs[fewer] {
+                (best.costs[roots - 1], best.made[roots - 1]) = (cost, a.both(b, roots, left));
                 known.how |= count(left) << ((roots - 1) * 3);
             }
-            *place = fewer;
         }
         known.how |= count(left) << (WIDTH * 3);
-        (known, all)
+        (known, best)
     }
 }
 
-/// The best forests of all nodes of `tree`, in which none is known yet; leaves have at most `leaf` primitives.
-pub(super) fn plan(tree: Known<'_>, forests: &mut [Forests], bounds: &Aabb, leaf: u32) {
+/// The best forests of all nodes of `tree`, in which none is known yet; leaves have at most `leaf` primitives. Returns the
+/// most entries of a walk's stack.
+pub(super) fn plan(tree: Known<'_>, forests: &mut [Forests], bounds: &Aabb, leaf: u32) -> u32 {
     match tree.width {
         4 => plan_for::<4>(tree, forests, bounds, leaf),
         _ => plan_for::<8>(tree, forests, bounds, leaf),
@@ -130,24 +152,26 @@ pub(super) fn plan(tree: Known<'_>, forests: &mut [Forests], bounds: &Aabb, leaf
 }
 
 /// The same, for nodes of a width that the compiler knows: it unrolls what is done for each number of roots.
-fn plan_for<const W: usize>(tree: Known<'_>, forests: &mut [Forests], bounds: &Aabb, leaf: u32) {
+fn plan_for<const W: usize>(tree: Known<'_>, forests: &mut [Forests], bounds: &Aabb, leaf: u32) -> u32 {
     let Known { nodes, unit, .. } = tree;
     let mut climb = Climb::new();
     // A left child's forests wait for the right one's: at most one for each level.
-    let mut waiting = heapless::Vec::<Costs<W>, { index(MAX_STACK) + 2 }>::new();
+    let mut waiting = heapless::Vec::<Best<W>, { index(MAX_STACK) + 2 }>::new();
     while let Some((at, place)) = climb.next(nodes) {
         let own = nodes.get(place.node()).map_or(*bounds, |n| n.bounds(place.side()));
         let known = Known { forests, ..tree };
-        let Some(node) = nodes.get(index(at)) else { return };
+        let Some(node) = nodes.get(index(at)) else { break };
         let mut below = |side: usize| match node.child[side] {
-            child if child.is_node() => waiting.pop().unwrap_or([known.leaf(0, 0.0); W]),
-            child => [known.leaf(child.len(), area(&node.bounds(side), unit)); W],
+            child if child.is_node() => waiting.pop().unwrap_or(Best::leaf(0.0, 0)),
+            child => known.leaf(child.len(), area(&node.bounds(side), unit)),
         };
         let right = below(1);
-        let (best, all) = known.forests(node, &[below(0), right], area(&own, unit), leaf);
-        let _ = waiting.push(all);
+        let left = below(0);
+        let (how, best) = known.forests(node, [&left, &right], area(&own, unit), leaf);
+        let _ = waiting.push(best);
         if let Some(place) = forests.get_mut(index(at)) {
-            *place = best;
+            *place = how;
         }
     }
+    waiting.first().map_or(0, |best| best.made[0].stack)
 }

@@ -60,13 +60,11 @@ pub fn build<'n>(
     // Areas in units of the scene, so that they neither overflow nor vanish.
     let unit = 1.0 / size(sub(bounds.max, bounds.min));
     let none = Known { nodes: &[], forests: &[], width: config.children(), lanes, unit };
-    plan(Known { nodes: nodes.get(..made).unwrap_or(&[]), ..none }, forests, bounds, config.leaf);
-    let tree = Tree::new(refs, Known { nodes: nodes.get(..made).unwrap_or(&[]), forests, ..none }, None);
-    let stack = Some(tree.stack).filter(|&stack| stack <= STACK);
-    if stack.is_none() {
+    let mut stack = plan(Known { nodes: nodes.get(..made).unwrap_or(&[]), ..none }, forests, bounds, config.leaf);
+    if stack > STACK {
         // Rare: primitives of very unlike sizes. A tree halved by count is never deep.
         made = bvh::build::halved(refs, nodes, bounds)?;
-        plan(Known { nodes: nodes.get(..made).unwrap_or(&[]), ..none }, forests, bounds, config.leaf);
+        stack = plan(Known { nodes: nodes.get(..made).unwrap_or(&[]), ..none }, forests, bounds, config.leaf);
     }
     Ok(Tree::new(refs, Known { nodes: nodes.get(..made).unwrap_or(&[]), forests, ..none }, stack))
 }

@@ -63,49 +63,47 @@ impl Known<'_> {
             }
         }
         // The largest first: any-hit walks look there first, and most rays meet it.
-        let area = |kid: &Kid| area(&kid.bounds, self.unit);
+        let mut order = [(0.0, 0); WIDTH];
+        for (i, (place, kid)) in order.iter_mut().zip(&kids).enumerate() {
+            *place = (area(&kid.bounds, self.unit), i);
+        }
         for end in 1..kids.len() {
-            for at in (1..=end).rev() {
-                match kids.get_mut(at - 1..=at) {
-                    Some([before, kid]) if area(before) < area(kid) => core::mem::swap(before, kid),
-                    _ => break,
-                }
+            let mut at = end;
+            while at > 0 && order[(at - 1) % WIDTH].0 < order[at % WIDTH].0 {
+                order.swap((at - 1) % WIDTH, at % WIDTH);
+                at -= 1;
             }
         }
-        kids
+        order.iter().filter_map(|&(_, i)| kids.get(i)).copied().take(kids.len()).collect()
     }
 }
 
 /// What a walk meets, in its order.
 #[allow(clippy::large_enum_variant)] // it lives for one step of an iterator
-enum Met {
-    Node(Node, u32),
+enum Met<const W: usize> {
+    Node(Node<W>),
     Leaf(Kid),
 }
 
 impl<'n> Tree<'n> {
-    /// To find the deepest stack, if it is not known, takes a walk over all nodes.
-    pub(super) fn new(refs: &'n [Ref], known: Known<'n>, stack: Option<u32>) -> Self {
-        let all = count(refs.len());
-        let mut tree = Self { refs, known, len: 0, blocks: all.div_ceil(known.lanes), stack: 0 };
+    /// `stack`: the most entries of a walk's.
+    pub(super) fn new(refs: &'n [Ref], known: Known<'n>, stack: u32) -> Self {
+        let mut tree = Self { refs, known, len: 0, blocks: count(refs.len()).div_ceil(known.lanes), stack: 0 };
         let root = known.forests.first().filter(|f| !known.nodes.is_empty() && f.how(1) == 0);
         if let Some(root) = root {
-            (tree.len, tree.blocks) = (root.nodes, root.blocks);
-            let deepest = |most: u32, met| if let Met::Node(_, n) = met { most.max(n) } else { most };
-            tree.stack = stack.unwrap_or_else(|| tree.met().fold(0, deepest));
+            (tree.len, tree.blocks, tree.stack) = (root.nodes, root.blocks, stack);
         }
         tree
     }
 
-    /// Every node with the entries that a walk's stack may have there, and every leaf; in walk order. Where that is more
-    /// than any walk may need, the rest is left out.
-    fn met(self) -> impl Iterator<Item = Met> {
-        let mut todo = heapless::Vec::<(Kid, u32), { index(STACK) + WIDTH }>::new();
+    /// Every node and every leaf, in walk order.
+    fn met<const W: usize>(self) -> impl Iterator<Item = Met<W>> {
+        let mut todo = heapless::Vec::<Kid, { index(STACK) + WIDTH }>::new();
         let root = Kid { at: Child::node(0), bounds: Aabb::EMPTY, leaf: None };
-        let mut next = (self.len > 0).then_some((root, 0));
+        let mut next = (self.len > 0).then_some(root);
         let (mut number, mut block) = (0, 0);
         core::iter::from_fn(move || {
-            let (kid, below) = next.take().or_else(|| todo.pop())?;
+            let kid = next.take().or_else(|| todo.pop())?;
             if let Some(prims) = kid.leaf {
                 block += prims.div_ceil(self.known.lanes);
                 return Some(Met::Leaf(kid));
@@ -114,8 +112,7 @@ impl<'n> Tree<'n> {
             let kids = self.known.kids(binary, self.known.forest(kid.at)?.left());
             let (mut child_number, mut child_block) = (number + 1, block);
             number += 1;
-            let stack = below + count(kids.len());
-            let mut node = Node::<WIDTH>::EMPTY;
+            let mut node = Node::<W>::EMPTY;
             for (lane, kid) in kids.iter().enumerate() {
                 let forest = self.known.forest(kid.at);
                 let child = if let Some(prims) = kid.leaf {
@@ -130,11 +127,10 @@ impl<'n> Tree<'n> {
                 node.set(lane, child, &kid.bounds);
             }
             for kid in kids.iter().rev() {
-                if stack <= STACK {
-                    let _ = todo.push((*kid, stack - 1));
-                }
+                // There is room for as many as the stack of any walk.
+                let _ = todo.push(*kid);
             }
-            Some(Met::Node(node, stack))
+            Some(Met::Node(node))
         })
     }
 
@@ -144,43 +140,50 @@ impl<'n> Tree<'n> {
         section(self.known.width)
     }
 
-    /// The nodes in walk order, as they are to stand in a blob.
-    pub fn nodes<const W: usize>(self) -> impl Iterator<Item = [[u32; W]; 8]> {
-        self.met()
-            .filter_map(|met| if let Met::Node(node, _) = met { Some(node.narrowed::<W>().words()) } else { None })
+    /// Writes the nodes in walk order, as they are to stand in a blob, and the blocks, if there are any; `triangle` gives
+    /// a primitive by its number.
+    pub fn write<const W: usize>(self, nodes: &mut [u8], blocks: &mut [u8], triangle: impl Fn(u32) -> Triangle) {
+        let mut nodes = nodes.chunks_exact_mut(size_of::<Node<W>>());
+        let mut blocks = blocks.chunks_exact_mut(size_of::<Block>());
+        let mut put = |refs: &mut dyn Iterator<Item = &Ref>, prims: u32| {
+            for first in (0..prims).step_by(index(block::LANES)) {
+                let Some(place) = blocks.next() else { return };
+                let mut block = Block::EMPTY;
+                for lane in 0..(prims - first).min(block::LANES) {
+                    let Some(r) = refs.next() else { break };
+                    block.set(index(lane), &triangle(r.prim), r.prim);
+                }
+                place.copy_from_slice(bytemuck::bytes_of(&block));
+            }
+        };
+        if self.len == 0 {
+            put(&mut self.refs(), count(self.refs.len()));
+        }
+        for met in self.met::<W>() {
+            match met {
+                Met::Node(node) => {
+                    if let Some(place) = nodes.next() {
+                        place.copy_from_slice(bytemuck::bytes_of(&node.words()));
+                    }
+                }
+                Met::Leaf(kid) => {
+                    put(&mut runs(self.refs, self.known.nodes, &[], Some(kid.at)), kid.leaf.unwrap_or(0));
+                }
+            }
+        }
     }
 
     /// The references in the order of leaves.
     pub fn refs(self) -> impl Iterator<Item = &'n Ref> {
-        self.leaves().flat_map(move |(_, run, at)| runs(self.refs, self.known.nodes, run, at))
+        self.leaves().flat_map(move |(run, at)| runs(self.refs, self.known.nodes, run, at))
     }
 
-    /// The blocks; `triangle` gives a primitive by its number.
-    pub fn blocks(self, triangle: impl Fn(u32) -> Triangle) -> impl Iterator<Item = Block> {
-        let mut refs = self.refs();
-        self.leaves()
-            .flat_map(|(prims, _, _)| {
-                (0..prims.div_ceil(block::LANES)).map(move |i| (prims - i * block::LANES).min(block::LANES))
-            })
-            .map(move |len| {
-                let mut block = Block::EMPTY;
-                for (lane, r) in refs.by_ref().take(index(len)).enumerate() {
-                    block.set(lane, &triangle(r.prim), r.prim);
-                }
-                block
-            })
-    }
-
-    /// The leaves: number of primitives, and the run of references or the subtree that has them.
-    fn leaves(self) -> impl Iterator<Item = (u32, &'n [Ref], Option<Child>)> {
+    /// The leaves: the run of references or the subtree that has them.
+    fn leaves(self) -> impl Iterator<Item = (&'n [Ref], Option<Child>)> {
         // With no wide node, everything is one leaf.
-        let whole = if self.known.nodes.is_empty() {
-            (count(self.refs.len()), self.refs, None)
-        } else {
-            (count(self.refs.len()), &[][..], Some(Child::node(0)))
-        };
+        let whole = if self.known.nodes.is_empty() { (self.refs, None) } else { (&[][..], Some(Child::node(0))) };
         let whole = (self.len == 0 && !self.refs.is_empty()).then_some(whole);
-        let leaf = |met| if let Met::Leaf(kid) = met { Some((kid.leaf?, &[][..], Some(kid.at))) } else { None };
-        whole.into_iter().chain(self.met().filter_map(leaf))
+        let leaf = |met| if let Met::Leaf(kid) = met { Some((&[][..], Some(kid.at))) } else { None };
+        whole.into_iter().chain(self.met::<WIDTH>().filter_map(leaf))
     }
 }
