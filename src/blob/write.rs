@@ -68,7 +68,13 @@ impl Layout {
     #[must_use]
     pub fn start<'o>(&self, out: &'o mut [u8], facts: &Facts) -> Option<Writer<'_, 'o>> {
         let bytes = out.get_mut(..self.len())?;
-        bytes.fill(0);
+        // All but the sections, which whoever writes them fills.
+        let mut from = 0;
+        for entry in &self.entries {
+            bytes.get_mut(from..index(entry.offset))?.fill(0);
+            from = index(entry.offset) + index(entry.length);
+        }
+        bytes.get_mut(from..)?.fill(0);
         let header = Header {
             magic: MAGIC,
             version: VERSION,
@@ -102,8 +108,12 @@ impl<'o> Writer<'_, 'o> {
     pub fn section<T: bytemuck::NoUninit>(&mut self, section: Section, items: impl Iterator<Item = T>) {
         let range = self.range(section);
         let place = self.bytes.get_mut(range).unwrap_or(&mut []);
-        for (place, item) in place.chunks_exact_mut(size_of::<T>().max(1)).zip(items) {
-            place.copy_from_slice(bytemuck::bytes_of(&item));
+        let mut items = items.fuse();
+        for place in place.chunks_exact_mut(size_of::<T>().max(1)) {
+            match items.next() {
+                Some(item) => place.copy_from_slice(bytemuck::bytes_of(&item)),
+                None => place.fill(0),
+            }
         }
     }
 
