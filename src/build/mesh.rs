@@ -121,14 +121,22 @@ impl<'a> Mesh<'a> {
         Ok((4, Primitive::Cone(Cone { base, top, ..*p })))
     }
 
-    fn triangle(&self, number: u32, local: Vec3) -> Result<Triangle, BuildError> {
+    /// A triangle relative to `local`: three times its first corner, if it has no area.
+    #[inline]
+    pub(super) fn triangle(&self, number: u32, local: Vec3) -> Result<Triangle, BuildError> {
+        let v = self.corners(number, local)?;
+        Ok(Triangle { v: if has_area(v) { v } else { [v[0]; 3] } })
+    }
+
+    /// The corners of a triangle relative to `local`, whether it has an area or not.
+    #[inline]
+    pub(super) fn corners(&self, number: u32, local: Vec3) -> Result<[Vec3; 3], BuildError> {
         let vertex = |vertex: u32| {
             let error = BuildError::Index { triangle: number, vertex, vertices: self.positions.len() };
             self.positions.get(index(vertex)).map(|&p| sub(p, local)).ok_or(error)
         };
         let &[a, b, c] = self.triangles.get(index(number)).ok_or(BuildError::Primitive { prim: number })?;
-        let v = [vertex(a)?, vertex(b)?, vertex(c)?];
-        Ok(Triangle { v: if has_area(v) { v } else { [v[0]; 3] } })
+        Ok([vertex(a)?, vertex(b)?, vertex(c)?])
     }
 }
 

@@ -30,6 +30,7 @@ impl Ref {
 pub(super) fn fill(input: &Input<'_>, refs: &mut [Ref]) {
     for (i, place) in refs.iter_mut().take(index(input.len)).enumerate() {
         let prim = count(i);
-        *place = Ref { bounds: input.prim(prim).bounds(), prim, scratch: 0.0 };
+        let bounds = input.triangle(prim).map_or_else(|| input.prim(prim).bounds(), |triangle| triangle.bounds());
+        *place = Ref { bounds, prim, scratch: 0.0 };
     }
 }

@@ -114,7 +114,7 @@ impl Plan<'_> {
             Built::Wide(tree) => {
                 let (section, _) = tree.section();
                 let [blocks, nodes] = writer.places(Section::Blocks, section);
-                let triangle = |prim| self.triangle(prim);
+                let triangle = |prim| self.input.triangle(prim).unwrap_or(Triangle { v: [[0.0; 3]; 3] });
                 if section == Section::Wide4Nodes {
                     tree.write::<4>(nodes, blocks, triangle);
                 } else {
@@ -142,11 +142,6 @@ impl Plan<'_> {
         let number = |r: &Ref| r.prim;
         let trees = tree.into_iter().flat_map(Tree::refs).chain(wide.into_iter().flat_map(wide::build::Tree::refs));
         list.chain(trees.map(number)).chain(parts.iter().copied())
-    }
-
-    /// A triangle by its number.
-    fn triangle(&self, prim: u32) -> Triangle {
-        if let Primitive::Triangle(triangle) = self.input.prim(prim) { triangle } else { Triangle { v: [[0.0; 3]; 3] } }
     }
 
     /// The primitives in slot order with the numbers of their kinds.
