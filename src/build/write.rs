@@ -112,14 +112,8 @@ impl Plan<'_> {
             Built::List => {}
             Built::Bvh(tree) => writer.section(Section::BvhNodes, tree.nodes()),
             Built::Wide(tree) => {
-                let (section, _) = tree.section();
-                let [blocks, nodes] = writer.places(Section::Blocks, section);
-                let triangle = |prim| self.input.triangle(prim).unwrap_or(Triangle { v: [[0.0; 3]; 3] });
-                if section == Section::Wide4Nodes {
-                    tree.write::<4>(nodes, blocks, triangle);
-                } else {
-                    tree.write::<8>(nodes, blocks, triangle);
-                }
+                let [blocks, nodes] = writer.places(Section::Blocks, tree.section().0);
+                tree.write(nodes, blocks, |prim| self.input.triangle(prim).unwrap_or(Triangle { v: [[0.0; 3]; 3] }));
             }
             Built::Sphere(tree) => writer.section(Section::SphereNodes, sphere::build::nodes(*tree)),
             Built::Parts(parts) => {

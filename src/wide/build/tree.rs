@@ -142,7 +142,15 @@ impl<'n> Tree<'n> {
 
     /// Writes the nodes in walk order, as they are to stand in a blob, and the blocks, if there are any; `triangle` gives
     /// a primitive by its number.
-    pub fn write<const W: usize>(self, nodes: &mut [u8], blocks: &mut [u8], triangle: impl Fn(u32) -> Triangle) {
+    pub fn write(self, nodes: &mut [u8], blocks: &mut [u8], triangle: impl Fn(u32) -> Triangle) {
+        match self.known.width {
+            4 => self.write_as::<4>(nodes, blocks, triangle),
+            _ => self.write_as::<WIDTH>(nodes, blocks, triangle),
+        }
+    }
+
+    /// The same with nodes of a width that the compiler knows.
+    fn write_as<const W: usize>(self, nodes: &mut [u8], blocks: &mut [u8], triangle: impl Fn(u32) -> Triangle) {
         let mut nodes = nodes.chunks_exact_mut(size_of::<Node<W>>());
         let mut blocks = blocks.chunks_exact_mut(size_of::<Block>());
         let mut put = |refs: &mut dyn Iterator<Item = &Ref>, prims: u32| {
