@@ -70,13 +70,15 @@ impl Runs {
         let names: Vec<String> = self.scenes.iter().filter_map(|s| s["scene"].as_str()).map(str::to_owned).collect();
         let cpu = std::fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
         let cpu = cpu.lines().find(|l| l.starts_with("model name")).and_then(|l| l.split(": ").nth(1)).unwrap_or("?");
+        let tunables = std::env::var("GLIBC_TUNABLES").unwrap_or_default();
+        let pages = if tunables.contains("malloc.hugetlb=1") { " The memory of all is in huge pages." } else { "" };
         let mut s = String::new();
         let version: String = self.info.split_whitespace().take(2).collect::<Vec<_>>().join(" ");
         let _ = writeln!(
             s,
             "Ratios of speed to `{}` ({version}, one ray a call) on one core of an `{cpu}`: geometric means over {} scenes \
              ({}), each the median of rounds in which all take turns on the same rays. Ours is built with the default \
-             flags, the others for this very machine.\n",
+             flags, the others for this very machine.{pages}\n",
             self.reference,
             names.len(),
             names.join(", ")
