@@ -11,7 +11,7 @@ use crate::bvh::tree::root;
 use crate::geom::ray::Prepared;
 use crate::geom::{Aabb, Hit};
 use crate::num::index;
-use crate::walk::lanes::{self, Lanes, Row, Work};
+use crate::walk::lanes::{Lanes, Row, Work};
 use crate::walk::prepare::{Entered, Given, prepare};
 use crate::walk::{Best, Meter, Stop, block, test};
 
@@ -201,13 +201,10 @@ fn walk_with<const W: usize, const ANY: bool, const QUICK: bool, L: Lanes<W>, L4
             }
         };
         if leaf.len() > 0 {
-            // A compiler that sees what the test of triangles reads of the ray fans it out to lanes ahead of time: before the
-            // walk, for one leaf or two.
-            let aim = if lanes::HERE { core::hint::black_box(ray) } else { ray };
             let over = if prims.blocks.is_empty() {
                 test::<ANY>(prims, (slots(prims, leaf).0, leaf.len()), ray, best, meter)?
             } else {
-                block::test::<ANY, L4>(prims.blocks, (leaf.number(), leaf.len()), aim, best, meter)?
+                block::test::<ANY, L4>(prims.blocks, (leaf.number(), leaf.len()), ray, best, meter)?
             };
             if over {
                 return Ok(true);
