@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Bytes and operations per ray beside what a core of this machine can do at best. Prints the tables of docs/performance.md,
-# within two minutes for two scenes.
+# within five minutes for two scenes once the program is built.
 #
 #   benches/roofline.sh IN ..
 #
