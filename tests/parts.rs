@@ -3,6 +3,7 @@ use crate::blobs::{Break, edit, entries};
 use crate::common::meshes::mixed;
 use crate::common::rays::Random;
 use crate::common::{build, configs};
+use crate::wide;
 use flashray::blob::{Buffer, Section};
 use flashray::build::Config;
 use flashray::bvh::Child;
@@ -23,12 +24,13 @@ fn told(bytes: &[u8], what: &str) -> Option<u64> {
 
 #[test]
 fn parts_end_where_nodes_go_round_in_circles() {
-    let circles: [(Kind, Break); 5] = [
+    let circles: [(Kind, Break); 6] = [
         (Kind::Bvh, |b| edit::<bvh::Node>(b, Section::BvhNodes, 0, |n| n.child = [Child::node(0); 2])),
         (Kind::Sphere, |b| edit::<sphere::Node>(b, Section::SphereNodes, 0, |n| n.child = [Child::node(0); 2])),
         (Kind::Octree, |b| edit::<octree::Node>(b, Section::OctreeNodes, 0, |n| (n.first, n.inner) = (0, 0xff))),
         (Kind::Bsp, |b| edit::<bsp::Node>(b, Section::BspNodes, 0, |n| n.word &= 3)),
         (Kind::Nested, |b| edit::<nested::Grid>(b, Section::NestedGrids, 1, |n| n.first = 0)),
+        (Kind::Wide, |b| wide::eight(b, 1, |n| n.child[..2].fill(Child::node(1)))),
     ];
     for (kind, circle) in circles {
         let mut bytes = build(&mixed(200, 1), &Config::new(kind).leaf(2)).to_vec();

@@ -30,7 +30,7 @@ fn good_mixed_four() -> Vec<u8> {
 }
 
 /// Edits a node of eight.
-fn eight(bytes: &mut [u8], at: usize, change: impl FnOnce(&mut Node)) {
+pub fn eight(bytes: &mut [u8], at: usize, change: impl FnOnce(&mut Node)) {
     edit_node(bytes, Section::WideNodes, at, change);
 }
 

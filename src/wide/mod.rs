@@ -184,11 +184,15 @@ where
 
     /// Calls `each` with every inner node and every leaf, a node before what is below it.
     pub fn parts(&self, prims: &Prims<'_>, bounds: &Aabb, each: &mut impl FnMut(Part)) {
+        // Nodes that were not checked may go round in circles: no more are opened than there are.
+        let mut left = self.nodes.len();
         let mut todo = heapless::Vec::<(Child, Aabb, u32), { index(STACK) + WIDTH }>::new();
         let mut next = (prims.len > 0).then_some((tree::root(self.nodes, prims.len), *bounds, 0));
         while let Some((child, bounds, level)) = next.take().or_else(|| todo.pop()) {
             each(Part { bounds, level, listed: (!child.is_node()).then_some(child.len()) });
             let Some(node) = self.nodes.get(index(child.number())).filter(|_| child.is_node()) else { continue };
+            let Some(fewer) = left.checked_sub(1) else { return };
+            left = fewer;
             for lane in (0..node.len()).rev() {
                 // As long as any walk's stack may be.
                 let _ = todo.push((node.child[lane % W], node.bounds(lane), level.saturating_add(1)));
