@@ -37,7 +37,8 @@
 //! [`mod@build`] is the way from a mesh to a blob.
 //!
 //! # Features
-//! - `std` (default): the host's own square root. No query needs it, and no answer depends on it.
+//! - `std` (default): the host's own square root, the fastest instructions found at run time, and on Linux huge pages for
+//!   what is built into a buffer. No query needs it, and no answer depends on it.
 //! - `build`: builders into memory that the caller lends. Still no heap.
 //! - `alloc`: builders that size themselves and return a `Vec<u8>`.
 //! - `parallel`: those on all cores, by rayon. The same bytes.

@@ -22,6 +22,8 @@ mod error;
 mod header;
 pub mod lists;
 pub mod packed;
+#[cfg(all(feature = "alloc", feature = "std", target_os = "linux"))]
+mod pages;
 pub mod prims;
 #[cfg(feature = "build")]
 pub mod write;

@@ -7,7 +7,7 @@ use crate::kinds::{self, Input, KINDS, Order, Rays, Stage};
 use crate::{Failure, file};
 use clap::ValueEnum;
 use flashray::blob::{Buffer, MAGIC};
-use flashray::build::{Config, to_vec};
+use flashray::build::{Config, to_buffer};
 use flashray::walk::Isa;
 use flashray::{Kind, Scene};
 use measure::Times;
@@ -106,9 +106,9 @@ fn load(name: &str, structures: &[(&'static str, Config)]) -> Result<(Vec<Built>
     let input = Input::read(name)?;
     let build = |(structure, config): &(&'static str, Config)| {
         let start = Instant::now();
-        let blob = to_vec(&input.soup.mesh(), config).map_err(|e| format!("{name}: {e}"))?;
+        let blob = to_buffer(&input.soup.mesh(), config).map_err(|e| format!("{name}: {e}"))?;
         let seconds = Some(start.elapsed().as_secs_f64());
-        Ok(Built { name: structure, blob: Buffer::from(&blob[..]), seconds })
+        Ok(Built { name: structure, blob, seconds })
     };
     Ok((structures.iter().map(build).collect::<Result<Vec<_>, Failure>>()?, input.stage))
 }

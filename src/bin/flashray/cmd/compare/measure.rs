@@ -6,7 +6,7 @@ use super::{Args, Built};
 use crate::Failure;
 use crate::kinds::{KINDS, Rays, SHADOW};
 use flashray::blob::{Blob, Buffer, Section};
-use flashray::build::{Config, Mesh, Rule, to_vec};
+use flashray::build::{Config, Mesh, Rule, to_buffer};
 use flashray::walk::mailbox::Last8;
 use flashray::{Kind, Ray, Scene, Steps};
 use indicatif::ProgressBar;
@@ -30,14 +30,14 @@ pub fn build_all(args: &Args, mesh: &Mesh<'_>, bar: &ProgressBar) -> Result<Vec<
             if kind == Kind::List { &[(Rule::Sah, "")] } else { &[(Rule::Seed, "seed"), (Rule::Sah, "sah")] };
         for &(rule, rule_name) in rules {
             let config = Config::new(kind).rule(rule).leaf(args.leaf).quality(args.quality.quality());
-            let (mut seconds, mut blob) = (Vec::new(), Vec::new());
+            let (mut seconds, mut blob) = (Vec::new(), Buffer::default());
             // Small scenes build in less time than a clock is good for.
             while seconds.is_empty() || (seconds.len() < args.rounds as usize && seconds.iter().sum::<f64>() < 0.1) {
                 let start = Instant::now();
-                blob = to_vec(mesh, &config).map_err(|e| format!("{}: {name} {rule_name}: {e}", args.input))?;
+                blob = to_buffer(mesh, &config).map_err(|e| format!("{}: {name} {rule_name}: {e}", args.input))?;
                 seconds.push(start.elapsed().as_secs_f64());
             }
-            all.push(Built { kind, rule: rule_name, blob: Buffer::from(&blob[..]), seconds: median(&mut seconds) });
+            all.push(Built { kind, rule: rule_name, blob, seconds: median(&mut seconds) });
             bar.inc(1);
         }
     }
