@@ -5,6 +5,7 @@ mod views;
 
 use crate::blob::prims::{Primitive, Prims};
 use crate::blob::{Blob, BlobError, Kind, Rule, Section};
+use crate::geom::place::Place;
 use crate::geom::ray::Prepared;
 use crate::geom::{Aabb, Hit, Ray};
 use crate::structure::Structure;
@@ -46,8 +47,7 @@ pub struct Limits {
 pub struct Scene<'a> {
     prims: Prims<'a>,
     structure: Structure<'a>,
-    bounds: &'a Aabb,
-    local: [f32; 3],
+    place: Place<'a>,
     kind: Kind,
     fuel: u32,
     limits: Limits,
@@ -90,13 +90,14 @@ impl<'a> Scene<'a> {
             return Err(BlobError::new(Rule::StepsTrue, Section::Header).found(header.steps).needed(fuel));
         }
         let limits = Limits { stack: header.stack, steps: header.steps };
-        Ok(Self { prims, structure, bounds: &header.bounds, local: header.local, kind, fuel, limits, isa: Isa::best() })
+        let place = Place::new(&header.bounds, header.local, header.longest);
+        Ok(Self { prims, structure, place, kind, fuel, limits, isa: Isa::best() })
     }
 
     fn check(&self, blob: &Blob<'a>) -> Result<(), BlobError> {
-        self.prims.check(self.bounds)?;
         let header = blob.header();
-        let stack = self.structure.check(&self.prims, self.bounds)?;
+        self.prims.check(self.place.bounds, header.longest)?;
+        let stack = self.structure.check(&self.prims, self.place.bounds)?;
         let error = BlobError::new(Rule::StackTrue, Section::Header).found(header.stack).needed(stack);
         if header.stack == stack { Ok(()) } else { Err(error) }
     }
@@ -240,15 +241,14 @@ impl<'a> Scene<'a> {
         if lanes::HERE
             && let Structure::Wide(view) = &self.structure
         {
-            let (prims, bounds, local) = (&self.prims, self.bounds, &self.local);
-            let ray = Given::new(ray);
-            return self.isa.run(wide::Query::<_, ANY, 8> { view, prims, ray, bounds, local, meter });
+            let (prims, place, ray) = (&self.prims, &self.place, Given::new(ray));
+            return self.isa.run(wide::Query::<_, ANY, 8> { view, prims, ray, place, meter });
         }
         if let Structure::Wide4(view) = &self.structure {
             // By value: a reference would keep the ray in memory, and eight would wait for it there, 15 ns.
             return self.query_four::<ANY>(view, Given::new(ray), meter);
         }
-        let Some(ray) = Prepared::new(ray, self.bounds, self.local) else {
+        let Some(ray) = Prepared::new(ray, &self.place) else {
             return Ok(None);
         };
         let mut best = Best::new(ray.t_max);
@@ -277,8 +277,8 @@ impl<'a> Scene<'a> {
         ray: Given,
         meter: impl Meter,
     ) -> Result<Option<Hit>, Stop> {
-        let (prims, bounds, local) = (&self.prims, self.bounds, &self.local);
-        self.isa.run(wide::Query::<_, ANY, 4> { view, prims, ray, bounds, local, meter })
+        let (prims, place) = (&self.prims, &self.place);
+        self.isa.run(wide::Query::<_, ANY, 4> { view, prims, ray, place, meter })
     }
 
     /// The same scene with other instructions: all give the same answers. Only `wide` and groups
@@ -327,13 +327,13 @@ impl<'a> Scene<'a> {
     /// The box around all primitives, in blob coordinates: add [`Scene::local_origin`] to get the caller's.
     #[must_use]
     pub const fn bounds(&self) -> Aabb {
-        *self.bounds
+        *self.place.bounds
     }
 
     /// What was subtracted from every coordinate when the blob was built; 0 unless asked for.
     #[must_use]
     pub const fn local_origin(&self) -> [f32; 3] {
-        self.local
+        self.place.local
     }
 
     /// Every primitive with the caller's number of it, in the structure's order, in blob coordinates.
@@ -344,6 +344,6 @@ impl<'a> Scene<'a> {
 
     /// Calls `each` with every node and cell of the structure: for those who measure or draw it.
     pub fn parts(&self, mut each: impl FnMut(Part)) {
-        self.structure.parts(&self.prims, self.bounds, &mut each);
+        self.structure.parts(&self.prims, self.place.bounds, &mut each);
     }
 }

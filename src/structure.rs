@@ -117,7 +117,7 @@ impl<'a> Structure<'a> {
         if rays.prims.len == 0 || !rays.are_near() {
             return Ok(false);
         }
-        let (prims, bounds) = (rays.prims, rays.bounds);
+        let (prims, bounds) = (rays.prims, rays.place.bounds);
         match self {
             Self::Bvh(view) => {
                 isa.run(Group::<_, ANY, LISTS> { tree: Boxes { nodes: view.nodes, prims, bounds }, rays, meter })?;

@@ -147,10 +147,19 @@ pub fn break_one_by_one(good: &[u8], breaks: &[(Rule, Break)]) {
 const BREAKS: &[(Rule, Break)] = &[
     (Rule::Size, |b| b.truncate(79)),
     (Rule::Magic, |b| b[0] ^= 1),
-    (Rule::Version, |b| header(b, |h| h.version = 2)),
+    (Rule::Version, |b| header(b, |h| h.version = 3)),
+    (Rule::Version, |b| header(b, |h| h.version = 0)),
     (Rule::Length, |b| b.push(0)),
     (Rule::KindKnown, |b| header(b, |h| h.kind = 99)),
-    (Rule::Reserved, |b| header(b, |h| h.reserved[1] = 7)),
+    (Rule::Reserved, |b| header(b, |h| h.reserved = 7)),
+    (Rule::Reserved, |b| header(b, |h| h.version = 1)),
+    (Rule::Longest, |b| {
+        header(b, |h| h.longest *= 0.999);
+        seal(b);
+    }),
+    (Rule::Longest, |b| header(b, |h| h.longest = f32::INFINITY)),
+    (Rule::Longest, |b| header(b, |h| h.longest = f32::NAN)),
+    (Rule::Longest, |b| header(b, |h| h.longest = -0.0)),
     (Rule::SectionOrder, |b| set_entry(b, 1, |e| e.section = 1)),
     (Rule::SectionPlace, |b| set_entry(b, 1, |e| e.offset += 64)),
     (Rule::SectionLength, |b| {
@@ -250,6 +259,47 @@ fn a_blob_must_start_at_a_multiple_of_four() {
             assert_eq!((error.rule, error.found, error.needed), (Rule::Alignment, shift as u32 % 4, 4));
         }
     }
+}
+
+/// Around what is a huge page where there are such: the bytes behave as those of a vector.
+#[test]
+fn buffers_of_any_length_begin_at_a_line_and_keep_their_bytes() {
+    const HUGE: usize = 2 << 20;
+    for len in [0, 1, 63, 64, 65, HUGE - 1, HUGE, HUGE + 1, 3 * HUGE - 1] {
+        let mut buffer = Buffer::zeroed(len);
+        assert_eq!((buffer.len(), buffer.as_ptr() as usize % 64), (len, 0));
+        assert!(buffer.iter().all(|&byte| byte == 0), "{len}");
+        let expected: Vec<u8> = (0..len).map(|i| (i % 251) as u8).collect();
+        buffer.copy_from_slice(&expected);
+        let copies = [buffer.clone(), Buffer::from(&expected[..])];
+        buffer.fill(255);
+        for copy in copies {
+            assert!(*copy == *expected, "{len}");
+            assert_eq!(copy.as_ptr() as usize % 64, 0);
+        }
+    }
+    assert!(Buffer::default().is_empty());
+}
+
+/// What the system was asked for stands in its own list of this process's mappings.
+#[cfg(target_os = "linux")]
+#[test]
+fn long_buffers_ask_for_huge_pages() {
+    let buffer = Buffer::zeroed(5 << 20);
+    let start = buffer.as_ptr() as usize;
+    assert_eq!(start % (2 << 20), 0);
+    let maps = std::fs::read_to_string("/proc/self/smaps").expect("Linux has it");
+    let of = |line: &str| {
+        let (from, to) = line.split_once(' ')?.0.split_once('-')?;
+        Some(usize::from_str_radix(from, 16).ok()?..usize::from_str_radix(to, 16).ok()?)
+    };
+    let mut lines = maps.lines().skip_while(|line| !of(line).is_some_and(|range| range.contains(&start)));
+    let range = lines.next().and_then(of).expect("the buffer is somewhere");
+    assert!(range.contains(&(start + buffer.len() - 1)), "{range:?}");
+    let flags = lines.find_map(|line| line.strip_prefix("VmFlags:")).expect("a mapping has flags");
+    // `hg`: advised to be huge. A kernel without huge pages does not know the advice.
+    let known = std::path::Path::new("/sys/kernel/mm/transparent_hugepage").exists();
+    assert_eq!(flags.split_whitespace().any(|flag| flag == "hg"), known, "{flags}");
 }
 
 #[test]

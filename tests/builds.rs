@@ -209,30 +209,30 @@ fn a_staircase_that_halving_boxes_can_not_part_stays_within_the_stack() {
 /// The golden blobs, and the mesh and configuration that made each: see tests/golden/README.md.
 fn golden() -> Vec<(&'static str, Soup, Config)> {
     vec![
-        ("v1-list-empty", Soup::default(), Config::new(Kind::List)),
-        ("v1-bvh-empty", Soup::default(), Config::new(Kind::Bvh)),
-        ("v1-list-mixed-15", mixed(15, 4), Config::new(Kind::List)),
-        ("v1-bvh-mixed-100", mixed(100, 5), Config::new(Kind::Bvh)),
-        ("v1-bvh-seed-sphere-80", icosphere(1), Config::new(Kind::Bvh).rule(flashray::build::Rule::Seed)),
-        ("v1-grid-empty", Soup::default(), Config::new(Kind::Grid)),
-        ("v1-grid-mixed-100", mixed(100, 5), Config::new(Kind::Grid)),
-        ("v1-voxel-empty", Soup::default(), Config::new(Kind::Voxel)),
-        ("v1-voxel-mixed-100", mixed(100, 5), Config::new(Kind::Voxel).cells(12)),
-        ("v1-voxel-seed-mixed-100", mixed(100, 5), Config::new(Kind::Voxel).rule(flashray::build::Rule::Seed)),
-        ("v1-nested-empty", Soup::default(), Config::new(Kind::Nested)),
-        ("v1-nested-mixed-100", mixed(100, 5), Config::new(Kind::Nested)),
-        ("v1-octree-empty", Soup::default(), Config::new(Kind::Octree)),
-        ("v1-octree-mixed-100", mixed(100, 5), Config::new(Kind::Octree)),
-        ("v1-bsp-empty", Soup::default(), Config::new(Kind::Bsp)),
-        ("v1-bsp-mixed-100", mixed(100, 5), Config::new(Kind::Bsp)),
-        ("v1-sphere-empty", Soup::default(), Config::new(Kind::Sphere)),
-        ("v1-sphere-mixed-100", mixed(100, 5), Config::new(Kind::Sphere)),
-        ("v1-wide-empty", Soup::default(), Config::new(Kind::Wide)),
-        ("v1-wide-mixed-100", mixed(100, 5), Config::new(Kind::Wide)),
-        ("v1-wide-sphere-80", icosphere(1), Config::new(Kind::Wide)),
-        ("v1-wide4-mixed-100", mixed(100, 5), Config::new(Kind::Wide).width(4)),
-        ("v1-wide4-sphere-80", icosphere(1), Config::new(Kind::Wide).width(4)),
-        ("v1-bvh-local-sphere-80", icosphere(1), Config::new(Kind::Bvh).local([0.25, -0.5, 8.0])),
+        ("list-empty", Soup::default(), Config::new(Kind::List)),
+        ("bvh-empty", Soup::default(), Config::new(Kind::Bvh)),
+        ("list-mixed-15", mixed(15, 4), Config::new(Kind::List)),
+        ("bvh-mixed-100", mixed(100, 5), Config::new(Kind::Bvh)),
+        ("bvh-seed-sphere-80", icosphere(1), Config::new(Kind::Bvh).rule(flashray::build::Rule::Seed)),
+        ("grid-empty", Soup::default(), Config::new(Kind::Grid)),
+        ("grid-mixed-100", mixed(100, 5), Config::new(Kind::Grid)),
+        ("voxel-empty", Soup::default(), Config::new(Kind::Voxel)),
+        ("voxel-mixed-100", mixed(100, 5), Config::new(Kind::Voxel).cells(12)),
+        ("voxel-seed-mixed-100", mixed(100, 5), Config::new(Kind::Voxel).rule(flashray::build::Rule::Seed)),
+        ("nested-empty", Soup::default(), Config::new(Kind::Nested)),
+        ("nested-mixed-100", mixed(100, 5), Config::new(Kind::Nested)),
+        ("octree-empty", Soup::default(), Config::new(Kind::Octree)),
+        ("octree-mixed-100", mixed(100, 5), Config::new(Kind::Octree)),
+        ("bsp-empty", Soup::default(), Config::new(Kind::Bsp)),
+        ("bsp-mixed-100", mixed(100, 5), Config::new(Kind::Bsp)),
+        ("sphere-empty", Soup::default(), Config::new(Kind::Sphere)),
+        ("sphere-mixed-100", mixed(100, 5), Config::new(Kind::Sphere)),
+        ("wide-empty", Soup::default(), Config::new(Kind::Wide)),
+        ("wide-mixed-100", mixed(100, 5), Config::new(Kind::Wide)),
+        ("wide-sphere-80", icosphere(1), Config::new(Kind::Wide)),
+        ("wide4-mixed-100", mixed(100, 5), Config::new(Kind::Wide).width(4)),
+        ("wide4-sphere-80", icosphere(1), Config::new(Kind::Wide).width(4)),
+        ("bvh-local-sphere-80", icosphere(1), Config::new(Kind::Bvh).local([0.25, -0.5, 8.0])),
     ]
 }
 
@@ -240,7 +240,7 @@ fn golden() -> Vec<(&'static str, Soup, Config)> {
 fn golden_blobs_load_and_are_built_alike() {
     let folder = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("tests/golden");
     for (name, soup, config) in golden() {
-        let path = folder.join(format!("{name}.fray"));
+        let path = folder.join(format!("v2-{name}.fray"));
         let built = build(&soup, &config);
         if !path.exists() && std::env::var_os("FLASHRAY_GOLDEN").is_some_and(|v| v == "write") {
             fs::write(&path, &*built).expect("tests/golden can be written");
@@ -250,5 +250,12 @@ fn golden_blobs_load_and_are_built_alike() {
         let (a, b) = (Scene::from_bytes(&kept).expect(name), Scene::from_bytes(&built).expect(name));
         let ray = Ray::new([3.0, 2.0, 9.0], [-0.3, -0.2, -1.0]);
         assert_eq!(bits(a.closest_hit(&ray)), bits(b.closest_hit(&ray)));
+        // The version before has another header, and is read.
+        let path = folder.join(format!("v1-{name}.fray"));
+        let old = Buffer::from(&fs::read(&path).expect("the golden blob is there")[..]);
+        assert_eq!((&old[4..8], &kept[4..8]), (&[1, 0, 0, 0][..], &[2, 0, 0, 0][..]));
+        assert!(old.len() == kept.len() && old[16..72] == kept[16..72] && old[80..] == kept[80..], "{name}");
+        let old = Scene::from_bytes(&old).expect(name);
+        assert_eq!(bits(old.closest_hit(&ray)), bits(b.closest_hit(&ray)));
     }
 }

@@ -1,6 +1,7 @@
 //! The walk through cells against two oracles: every cell's slab interval, and exact whole-number geometry.
 use crate::common::rays::Random;
 use flashray::geom::lattice::Lattice;
+use flashray::geom::place;
 use flashray::geom::ray::{Axis, Prepared};
 use flashray::walk::dda::{Cursor, Dda};
 use flashray::{Aabb, Ray};
@@ -109,7 +110,7 @@ fn the_walk_visits_the_cells_whose_interval_is_not_empty_and_each_once() {
         for i in 0..100 {
             let ray = hostile(&mut random, i, &b, &lattice, n);
             let t_max = if i % 3 == 0 { random.unit() * 2.0 } else { f32::INFINITY };
-            let Some(ray) = Prepared::new(&ray, &b, [0.0; 3]) else { continue };
+            let Some(ray) = Prepared::new(&ray, &place::Place::new(&b, [0.0; 3], 0.0)) else { continue };
             let walked = visited(&ray, &lattice, (first, n), t_max);
             let mut expected = BTreeMap::new();
             for x in first[0]..n[0] {
@@ -230,7 +231,8 @@ fn against_whole_numbers(n: u32, rays: usize, random: &mut Random) -> [u64; 3] {
         }
         let whole = Whole { from, dir };
         let single = |v: [i64; 3]| v.map(|x| x as f32);
-        let ray = Prepared::new(&Ray::new(single(from), single(dir)), &b, [0.0; 3]).expect("a ray");
+        let ray =
+            Prepared::new(&Ray::new(single(from), single(dir)), &place::Place::new(&b, [0.0; 3], 0.0)).expect("a ray");
         let walked = visited(&ray, &lattice, ([0; 3], [n; 3]), f32::INFINITY);
         counts[0] += walked.len() as u64;
         let mut at = 0;

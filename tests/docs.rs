@@ -51,7 +51,8 @@ fn the_format_s_tables_are_the_code_s() {
     has(offset_of!(Header, bounds), 24, "bounds");
     has(offset_of!(Header, local), 12, "local");
     has(offset_of!(Header, sections), 4, "sections");
-    has(offset_of!(Header, reserved), 8, "reserved");
+    has(offset_of!(Header, longest), 4, "longest");
+    has(offset_of!(Header, reserved), 4, "reserved");
     has(offset_of!(Node, planes), 48, "planes");
     has(offset_of!(Node, child), 8, "child");
     has(offset_of!(Node, reserved), 8, "reserved");

@@ -3,6 +3,7 @@ use crate::common::meshes::{icosphere, mixed, power, scaled};
 use crate::common::rays::Random;
 use crate::common::{bits, build, configs};
 use crate::soup::Soup;
+use flashray::geom::place::Place;
 use flashray::walk::mailbox::Last8;
 use flashray::{Aabb, Cone, Cylinder, Ray, Scene, Sphere, Steps};
 
@@ -143,7 +144,7 @@ fn a_ray_enters_where_the_corners_run_counter_clockwise() {
         let t = Triangle { v: t.v.map(turned) };
         for (from, enters) in [(1.0, true), (-1.0, false)] {
             let ray = Ray::new(turned([0.25, 0.25, from]), turned([0.1, -0.1, -from]));
-            let ray = Prepared::new(&ray, &t.bounds(), [0.0; 3]).expect("a good ray");
+            let ray = Prepared::new(&ray, &Place::new(&t.bounds(), [0.0; 3], 0.0)).expect("a good ray");
             assert_eq!(t.crossing(&ray, 9.0).map(|c| c.enters), Some(enters));
         }
     }

@@ -34,6 +34,7 @@ mod cli;
 mod common;
 mod dda;
 mod docs;
+mod edges;
 mod firmware;
 mod geometry;
 mod grid;

@@ -10,6 +10,7 @@ use crate::mesh;
 use crate::soup::Soup;
 use flashray::build::Config;
 use flashray::geom::Triangle;
+use flashray::geom::place::Place;
 use flashray::geom::ray::Prepared;
 use flashray::{Kind, Ray, Scene};
 
@@ -17,7 +18,7 @@ use flashray::{Kind, Ray, Scene};
 fn crossings(scene: &Scene<'_>, triangles: &[Triangle], ray: &Ray, found: &mut Vec<(u32, bool)>, todo: &mut Vec<u32>) {
     found.clear();
     todo.clear();
-    let Some(ray) = Prepared::new(ray, &scene.bounds(), scene.local_origin()) else { return };
+    let Some(ray) = Prepared::new(ray, &Place::new(&scene.bounds(), scene.local_origin(), 0.0)) else { return };
     let view = scene.bvh().expect("built as a bvh");
     todo.push(0);
     while let Some(node) = todo.pop() {

@@ -189,11 +189,12 @@ fn steps_fit(scene: &Scene<'_>) {
 
 fn start<'l, 'o>(layout: &'l Layout, out: &'o mut Buffer, scene: &Scene<'_>, prims: u32) -> Writer<'l, 'o> {
     let (bounds, local) = (scene.bounds(), scene.local_origin());
-    let facts = Facts { kind: Kind::List, prims, stack: 0, steps: prims, bounds, local };
+    let longest = scene.longest_side();
+    let facts = Facts { kind: Kind::List, prims, stack: 0, steps: prims, bounds, local, longest };
     layout.start(out, &facts).expect("the buffer is as long as the layout")
 }
 
-/// The list over the primitives of a scene, in its slots, with its numbers, bounds and local origin.
+/// The list over the primitives of a scene, in its slots, with its numbers, bounds, local origin and longest side.
 fn list(scene: &Scene<'_>, p: &Prims<'_>) -> Buffer {
     let size = |n: usize| n as u32;
     // Blocks are taken apart.

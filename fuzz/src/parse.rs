@@ -123,7 +123,7 @@ fn assemble(kind: Kind, flags: u8, prims: u32, bounds: Aabb, parts: &[(Section, 
     let table: Vec<_> = parts.iter().map(|(section, bytes)| (*section, bytes.len() as u32, 1)).collect();
     let layout = Layout::new(&table).expect("a small blob");
     let mut out = Buffer::zeroed(layout.len());
-    let facts = Facts { kind, prims, stack: 0, steps: prims, bounds, local: [0.0; 3] };
+    let facts = Facts { kind, prims, stack: 0, steps: prims, bounds, local: [0.0; 3], longest: 0.0 };
     let mut writer = layout.start(&mut out, &facts).expect("a buffer of the layout's length");
     for (section, bytes) in parts {
         writer.section(*section, bytes.iter().copied());

@@ -109,6 +109,8 @@ rules! {
     WideLanes = 56, "a wide node has at least two children in its first lanes, and nothing in the others";
     /// The nodes of a wide hierarchy are of one width, the one that is read.
     WideWidth = 61, "the nodes of a wide hierarchy are of one width";
+    /// The longest side of the triangles' boxes is a number, and none is longer; 0 says nothing.
+    Longest = 62, "the longest side of the triangles' boxes is a number, and none is longer";
 }
 
 impl Rule {

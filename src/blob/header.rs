@@ -3,7 +3,7 @@
 //! | offset | size | field | meaning |
 //! |---|---|---|---|
 //! | 0 | 4 | `magic` | the bytes `FRAY` |
-//! | 4 | 4 | `version` | 1 |
+//! | 4 | 4 | `version` | 2, or 1 |
 //! | 8 | 4 | `length` | bytes of the whole blob |
 //! | 12 | 4 | `checksum` | CRC-32 (ISO-HDLC) of the bytes from 16 to the end |
 //! | 16 | 4 | `kind` | the structure: 1 list, 2 bvh, 3 grid, 4 voxel, 5 nested, 6 octree, 7 bsp, 8 sphere, 9 wide |
@@ -13,7 +13,8 @@
 //! | 32 | 24 | `bounds` | box around all primitives: least corner, greatest corner |
 //! | 56 | 12 | `local` | local origin: added to every coordinate to get the caller's |
 //! | 68 | 4 | `sections` | entries of the section table, at most 16 |
-//! | 72 | 8 | `reserved` | 0 |
+//! | 72 | 4 | `longest` | longest side of the boxes of triangles; 0 if not told, as in version 1 |
+//! | 76 | 4 | `reserved` | 0 |
 //!
 //! A table entry has 12 bytes: section number, offset, length.
 use super::error::{BlobError, Rule, Section};
@@ -25,8 +26,10 @@ use bytemuck::{Pod, Zeroable};
 
 /// The first four bytes, read as a little-endian number.
 pub const MAGIC: u32 = u32::from_le_bytes(*b"FRAY");
-/// The format version that this library writes, and the only one that it reads.
-pub const VERSION: u32 = 1;
+/// The format version that this library writes.
+pub const VERSION: u32 = 2;
+/// The oldest that it reads.
+pub const OLDEST_VERSION: u32 = 1;
 /// Most entries of a section table.
 pub const MAX_SECTIONS: u32 = 16;
 /// Where the bytes start that the checksum covers: what is before it proves itself.
@@ -107,7 +110,7 @@ impl Kind {
 pub struct Header {
     /// [`MAGIC`].
     pub magic: u32,
-    /// [`VERSION`].
+    /// From [`OLDEST_VERSION`] to [`VERSION`].
     pub version: u32,
     /// Bytes of the whole blob.
     pub length: u32,
@@ -127,8 +130,10 @@ pub struct Header {
     pub local: [f32; 3],
     /// Entries of the section table.
     pub sections: u32,
+    /// Longest side of the boxes of triangles: the shorter, the more often their test can do without f64. 0 if not told.
+    pub longest: f32,
     /// 0.
-    pub reserved: [u32; 2],
+    pub reserved: u32,
 }
 
 const _: () = assert!(size_of::<Header>() == 80 && size_of::<Entry>() == 12);
@@ -201,7 +206,7 @@ fn parse_header(header: &Header, length: usize) -> Result<(), BlobError> {
     if header.magic != MAGIC {
         return Err(broken(Rule::Magic).found(header.magic).needed(MAGIC));
     }
-    if header.version != VERSION {
+    if !(OLDEST_VERSION..=VERSION).contains(&header.version) {
         return Err(broken(Rule::Version).found(header.version).needed(VERSION));
     }
     if index(header.length) != length {
@@ -210,8 +215,11 @@ fn parse_header(header: &Header, length: usize) -> Result<(), BlobError> {
     if header.kind().is_none() {
         return Err(broken(Rule::KindKnown).found(header.kind));
     }
-    if header.reserved != [0; 2] {
+    if header.reserved != 0 || header.version == 1 && header.longest.to_bits() != 0 {
         return Err(broken(Rule::Reserved));
+    }
+    if !(header.longest.to_bits() == 0 || header.longest > 0.0 && header.longest.is_finite()) {
+        return Err(broken(Rule::Longest));
     }
     if header.sections > MAX_SECTIONS {
         return Err(broken(Rule::SectionOrder).found(header.sections).needed(MAX_SECTIONS));

@@ -32,7 +32,7 @@ pub mod write;
 pub use buffer::Buffer;
 pub use crc::crc32;
 pub use error::{BlobError, Rule, Section};
-pub use header::{Entry, Header, KINDS, Kind, MAGIC, MAX_SECTIONS, VERSION};
+pub use header::{Entry, Header, KINDS, Kind, MAGIC, MAX_SECTIONS, OLDEST_VERSION, VERSION};
 
 use bytemuck::AnyBitPattern;
 

@@ -12,6 +12,7 @@
 use super::block::{self, Block, LANES};
 use super::{Blob, BlobError, Rule, Section};
 use crate::geom::overlap;
+use crate::geom::place::longest_side;
 use crate::geom::vec::finite;
 use crate::geom::{Aabb, Cone, Cylinder, Sphere, Triangle};
 use crate::num::{count, index};
@@ -36,6 +37,11 @@ pub enum Primitive {
 }
 
 impl Primitive {
+    /// Whether this is a triangle whose box has a longer side than is said of all; 0 says nothing.
+    fn is_longer(&self, longest: f32) -> bool {
+        matches!(self, Self::Triangle(p) if longest != 0.0 && longest_side(&p.bounds()) > longest)
+    }
+
     /// The primitive's bounding box.
     #[must_use]
     pub fn bounds(&self) -> Aabb {
@@ -158,13 +164,13 @@ impl<'a> Prims<'a> {
             .needed(self.len.div_ceil(LANES)))
     }
 
-    /// The full check, O(n): rules 16 to 19 and 55.
+    /// The full check, O(n): rules 16 to 19, 55 and 62.
     ///
     /// # Errors
     /// The first rule that is broken, and where.
-    pub fn check(&self, bounds: &Aabb) -> Result<(), BlobError> {
+    pub fn check(&self, bounds: &Aabb, longest: f32) -> Result<(), BlobError> {
         if !self.blocks.is_empty() {
-            return self.check_blocks(bounds);
+            return self.check_blocks(bounds, longest);
         }
         self.check_refs()?;
         for (slot, &id) in self.ids.iter().enumerate() {
@@ -182,12 +188,15 @@ impl<'a> Prims<'a> {
             if !bounds.contains(&primitive.bounds()) {
                 return Err(BlobError::new(Rule::PrimBounds, section).at(at));
             }
+            if primitive.is_longer(longest) {
+                return Err(BlobError::new(Rule::Longest, section).at(at));
+            }
         }
         Ok(())
     }
 
-    /// Rule 55, and 13, 16, 17 and 19 for blocks.
-    fn check_blocks(&self, bounds: &Aabb) -> Result<(), BlobError> {
+    /// Rule 55, and 13, 16, 17, 19 and 62 for blocks.
+    fn check_blocks(&self, bounds: &Aabb, longest: f32) -> Result<(), BlobError> {
         let mut found = 0u32;
         for (number, block) in self.blocks.iter().enumerate() {
             let broken = |rule| BlobError::new(rule, Section::Blocks).at(count(number));
@@ -202,6 +211,9 @@ impl<'a> Prims<'a> {
                 }
                 if !bounds.contains(&primitive.bounds()) {
                     return Err(broken(Rule::PrimBounds));
+                }
+                if primitive.is_longer(longest) {
+                    return Err(broken(Rule::Longest));
                 }
             }
             found = found.saturating_add(len);

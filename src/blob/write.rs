@@ -31,6 +31,8 @@ pub struct Facts {
     pub bounds: Aabb,
     /// Local origin.
     pub local: [f32; 3],
+    /// Longest side of the triangles' boxes.
+    pub longest: f32,
 }
 
 impl Layout {
@@ -85,6 +87,7 @@ impl Layout {
             steps: facts.steps,
             bounds: facts.bounds,
             local: facts.local,
+            longest: facts.longest,
             sections: count(self.entries.len()),
             ..Header::zeroed()
         };

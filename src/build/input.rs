@@ -1,7 +1,8 @@
 //! A mesh that was found good, as builders see it.
 use super::{BuildError, Config, Mesh};
 use crate::blob::prims::Primitive;
-use crate::geom::vec::{Vec3, finite};
+use crate::geom::place::longest_side;
+use crate::geom::vec::{Vec3, finite, most};
 use crate::geom::{Aabb, Triangle};
 use crate::grid::Shape;
 use crate::num::count;
@@ -24,6 +25,8 @@ pub struct Input<'a> {
     pub len: u32,
     /// Box around all of them; a point at 0 if there is none.
     pub bounds: Aabb,
+    /// Longest side of the boxes of triangles.
+    pub longest: f32,
 }
 
 impl<'a> Input<'a> {
@@ -35,7 +38,7 @@ impl<'a> Input<'a> {
         config.check()?;
         let len = mesh.len()?;
         let triangles = count(mesh.counts()[0]);
-        let (mut all, mut flat) = (Aabb::EMPTY, false);
+        let (mut all, mut flat, mut longest) = (Aabb::EMPTY, false, 0.0);
         let room = Aabb { min: [-REACH; 3], max: [REACH; 3] };
         for prim in 0..triangles {
             let triangle = mesh.triangle(prim, config.local)?;
@@ -44,6 +47,7 @@ impl<'a> Input<'a> {
                 return Err(BuildError::Primitive { prim });
             }
             flat |= a == b && a == c;
+            longest = most(longest_side(&bounds), longest);
             all = all.join(&bounds);
         }
         for prim in triangles..len {
@@ -56,7 +60,7 @@ impl<'a> Input<'a> {
             all = all.join(&bounds);
         }
         let bounds = if len == 0 { Aabb { min: [0.0; 3], max: [0.0; 3] } } else { all };
-        Ok(Self { mesh, local: config.local, flat, len, bounds })
+        Ok(Self { mesh, local: config.local, flat, len, bounds, longest })
     }
 
     /// What the test of a primitive is reckoned to cost, in triangle tests: the unit of what cells are chosen by.

@@ -238,8 +238,9 @@ impl<'p> Plan<'p> {
         };
         let layout = write::layout(mesh, &built)?;
         let (stack, steps) = built.limits(input.len);
-        let (kind, prims, bounds, local) = (config.kind, input.len, input.bounds, config.local);
-        Ok(Self { input, built, layout, facts: Facts { kind, prims, stack, steps, bounds, local } })
+        let Input { len: prims, bounds, longest, .. } = *input;
+        let facts = Facts { kind: config.kind, prims, stack, steps, bounds, local: config.local, longest };
+        Ok(Self { input, built, layout, facts })
     }
 }
 

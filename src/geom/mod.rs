@@ -12,8 +12,8 @@
 //!    inside the other's interval, because every step of it (subtract, multiply by a constant, compare) is monotone
 //!    in IEEE arithmetic. So no ancestor of a hit primitive can be culled, whatever the tree.
 //! 4. The slab test is *padded*, so that it does not take back what the triangle test accepts. The triangle test
-//!    ([`triangle`]) decides exactly for vertices that rounding has moved, in the two sheared axes, by at most
-//!    `2u |v - o|` (the difference and its rounding) plus `5u |S (v - o)_z|` (two roundings of the shear constant, the
+//!    ([`triangle`]) decides as exact numbers would, but for `2^-50`. In f32 rounding moves a vertex, in the two sheared axes,
+//!    by at most `2u |v - o|` (the difference and its rounding) plus `5u |S (v - o)_z|` (two roundings of the shear constant, the
 //!    difference, the product, the sum), with `u = 2^-24` and `|S| <= 1`. That is below `7u E`, for `E` the largest
 //!    distance, per axis, from the origin to the far side of the scene's bounds. The slab's own three roundings add
 //!    `3u E`; rule 6 needs another `10u E`. The pad is `32u E`, plus `2u |o|` so that adding it to the origin survives
@@ -52,6 +52,7 @@ pub mod cone;
 pub mod hit;
 pub mod lattice;
 pub mod overlap;
+pub mod place;
 pub mod ray;
 pub(crate) mod root;
 pub mod sphere;

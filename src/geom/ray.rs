@@ -1,7 +1,8 @@
 //! Rays, and what is computed once per ray.
 use super::aabb::Aabb;
+use super::place::Place;
 use super::vec::{Vec3, add_scaled, least, most, scale, size, sub};
-use crate::walk::lanes;
+use crate::walk::lanes::{self, Lanes};
 
 /// A ray: the points `origin + t dir` for `t` in `[t_min, t_max]`, both ends included.
 ///
@@ -120,6 +121,10 @@ pub struct Prepared {
     pub(crate) inv_kz: f32,
     /// `dir` on `kx` and `ky` over `dir` on `kz`: at most 1 in size.
     pub(crate) shear: [f32; 2],
+    /// The direction, for the rare test that needs more bits than `shear` has.
+    pub(crate) dir: Vec3,
+    /// What an edge function in f32 may be wrong by at most, for any triangle that counts: see [`super::triangle`].
+    pub(crate) doubt: f32,
     /// Least `t` that counts.
     pub(crate) t_min: f32,
     /// Greatest `t` that counts.
@@ -129,12 +134,12 @@ pub struct Prepared {
 }
 
 impl Prepared {
-    /// Prepares `ray` against a scene that lies in `bounds`, whose coordinates are relative to `local`.
+    /// Prepares `ray` against a scene.
     ///
     /// `None` if the ray makes no sense, and then it meets nothing.
     #[inline(always)]
     #[must_use]
-    pub fn new(ray: &Ray, bounds: &Aabb, local: Vec3) -> Option<Self> {
+    pub fn new(ray: &Ray, place: &Place<'_>) -> Option<Self> {
         // Adding 0.0 turns -0.0 into 0.0, so that the two can not part ways below.
         let dir = [ray.dir[0] + 0.0, ray.dir[1] + 0.0, ray.dir[2] + 0.0];
         let sizes = [dir[0].abs(), dir[1].abs(), dir[2].abs()];
@@ -152,11 +157,11 @@ impl Prepared {
         let kz = if sizes[1] > sizes[0] { Axis::Y } else { Axis::X };
         let kz = if sizes[2] > most(sizes[1], sizes[0]) { Axis::Z } else { kz };
         let (kx, ky) = kz.others();
-        let origin = sub(ray.origin, local);
+        let (origin, bounds) = (sub(ray.origin, place.local), place.bounds);
         let inv = [1.0 / dir[0], 1.0 / dir[1], 1.0 / dir[2]];
-        let extent = most(size(sub(bounds.min, origin)), size(sub(bounds.max, origin)));
+        let extent = most(size(sub(bounds.min, origin)), size(sub(bounds.max, origin))) * PAD;
         // A plane looks nearer from an origin moved along the ray, and farther from one moved against it.
-        let pad = |k: usize| (extent * PAD + (origin[k].abs() * ORIGIN_PAD + f32::MIN_POSITIVE)).copysign(dir[k]);
+        let pad = |k: usize| (extent + (origin[k].abs() * ORIGIN_PAD + f32::MIN_POSITIVE)).copysign(dir[k]);
         let pad = [pad(0), pad(1), pad(2)];
         Some(Self {
             origin,
@@ -170,6 +175,8 @@ impl Prepared {
             turned: [[origin[kx.at()], origin[ky.at()], origin[kz.at()]]; TURNED],
             inv_kz: inv[kz.at()],
             shear: [dir[kx.at()] * inv[kz.at()], dir[ky.at()] * inv[kz.at()]],
+            dir,
+            doubt: doubt(extent, place.coarse),
             t_min,
             t_max,
             unit,
@@ -254,6 +261,34 @@ impl Prepared {
         d[self.ky.at()] = self.shear[1];
         (d, self.inv_kz)
     }
+}
+
+/// What of the scene's extent, times [`PAD`], adds to what is [coarse](super::place::coarse) in it.
+const FARTHER: f32 = 6.0;
+
+/// [`Prepared::doubt`] of a ray that is padded by `extent`.
+#[inline(always)]
+pub(crate) fn doubt(extent: f32, coarse: f32) -> f32 {
+    extent * (coarse + extent * FARTHER)
+}
+
+/// The same of many rays.
+#[inline(always)]
+pub(crate) fn doubts<const N: usize, L: Lanes<N>>(extent: L, coarse: f32) -> L {
+    extent * (L::splat(coarse) + extent * L::splat(FARTHER))
+}
+
+/// What an edge function in f32 may be wrong by, over the sum of its triangle's coordinates in the sheared plane; from the
+/// padded origins on any axis. NaN where the doubt is infinite.
+#[inline(always)]
+pub(crate) fn blur(near_origin: f32, far_origin: f32, doubt: f32) -> f32 {
+    (near_origin - far_origin).abs() * 0.25 + doubt * 0.0
+}
+
+/// The same of many rays.
+#[inline(always)]
+pub(crate) fn blurs<const N: usize, L: Lanes<N>>(near_origin: L, far_origin: L, doubt: L) -> L {
+    (near_origin - far_origin).abs() * L::splat(0.25) + doubt * L::splat(0.0)
 }
 
 /// Whether no component is NaN or infinite: their products with 0 would not be 0, nor their sum.

@@ -6,7 +6,6 @@ use crate::structure::Structure;
 use crate::walk::group::{RAYS, Rays};
 use crate::walk::lanes;
 use crate::walk::mailbox::NoMailbox;
-use crate::walk::packet::Place;
 use crate::walk::{Fuel, Isa, PacketSize, Steps, Tally};
 use crate::wide;
 
@@ -126,12 +125,12 @@ impl Scene<'_> {
         hits: &mut [Option<Hit>],
         steps: &mut Steps,
     ) {
-        let (prims, bounds, local, fuel) = (&self.prims, self.bounds, &self.local, self.fuel);
+        let (prims, place, fuel) = (&self.prims, &self.place, self.fuel);
         let len = rays.len().min(hits.len());
         let (Some(rays), Some(hits)) = (rays.get(..len), hits.get_mut(..len)) else { return };
         // All that a group and each of its rays may spend.
         let mut tally = Tally { fuel: Fuel(fuel.saturating_mul(count(RAYS).saturating_add(1))), steps: *steps };
-        let group = Rays { prims, rays, hits: &mut *hits, bounds, local };
+        let group = Rays { prims, rays, hits: &mut *hits, place };
         // Where not even compilers have lanes, a group saves fetches and no time; where only they do, it does if its rays are
         // alike; and primitives other than triangles are tested ray by ray, so that it costs 10 % there. Those who count get
         // one always.
@@ -190,7 +189,7 @@ impl Scene<'_> {
             }
             return;
         }
-        let (prims, place) = (&self.prims, Place { bounds: self.bounds, local: &self.local });
+        let (prims, place) = (&self.prims, &self.place);
         let many = wide::Many { view, prims, place, fuel: self.fuel, isa: self.isa };
         match packets {
             Some(of) => many.packets::<_, ANY>(of, rays, answers),

@@ -39,4 +39,11 @@ impl<'a> Scene<'a> {
     pub const fn bsp(&self) -> Option<bsp::View<'a>> {
         if let Structure::Bsp(view) = self.structure { Some(view) } else { None }
     }
+
+    /// The longest side of the boxes of triangles, as the blob tells it; 0 if it does not. It belongs to the answer: where the
+    /// triangle test can do without f64 is decided with it.
+    #[must_use]
+    pub const fn longest_side(&self) -> f32 {
+        self.place.longest
+    }
 }

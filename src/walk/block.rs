@@ -7,7 +7,7 @@ use super::{Best, Meter, Stop};
 use crate::blob::block::Block;
 use crate::geom::Triangle;
 use crate::geom::hit::Crossing;
-use crate::geom::ray::{Axis, Prepared};
+use crate::geom::ray::{Axis, Prepared, blur};
 use crate::geom::triangle::{LEAST_DET, MOST_CANCELLED, MOST_DET};
 use crate::geom::vec::Vec3;
 use crate::num::index;
@@ -20,6 +20,8 @@ pub trait Aim: Copy {
     fn turned(self) -> Vec3;
     /// `shear` of [`Prepared`].
     fn shear(self) -> [f32; 2];
+    /// `doubt` of [`Prepared`].
+    fn doubt(self) -> f32;
     /// `near_origin` of [`Prepared`].
     fn near_origin(self) -> Vec3;
     /// `far_origin` of [`Prepared`].
@@ -46,9 +48,12 @@ impl Aim for &Prepared {
         self.turned()
     }
     #[inline(always)]
-    /// `shear` of [`Prepared`].
     fn shear(self) -> [f32; 2] {
         self.shear
+    }
+    #[inline(always)]
+    fn doubt(self) -> f32 {
+        self.doubt
     }
     #[inline(always)]
     fn near_origin(self) -> Vec3 {
@@ -96,6 +101,12 @@ impl<L: Lanes<4>> Sheared<L> {
         let x = L::load(&corner[kx.at()]) - L::splat(turned[0]) - L::splat(shear[0]) * z;
         let y = L::load(&corner[ky.at()]) - L::splat(turned[1]) - L::splat(shear[1]) * z;
         Self { x, y, z }
+    }
+
+    /// The sum of its distances from the two axes of the plane.
+    #[inline(always)]
+    fn reach(self) -> L {
+        self.x.abs() + self.y.abs()
     }
 
     /// The two products of the edge function.
@@ -149,7 +160,13 @@ fn one<const ANY: bool, L: Lanes<4>>(block: &Block, lanes: u32, ray: impl Aim, b
     let (wa, wb, wc) = (pa.0 - pa.1, pb.0 - pb.1, pc.0 - pc.1);
     let (low, high) = (wa.least(wb).least(wc), wa.most(wb).most(wc));
     let zero = L::splat(0.0);
-    let maybe = lanes & !(low.lt(zero) & zero.lt(high));
+    // Both bounds of `geom::triangle` at once, the lesser for each lane: which one tells is as good as random where triangles
+    // are of all sizes.
+    let blur = blur(ray.near_origin()[0], ray.far_origin()[0], ray.doubt());
+    let blur = L::splat(blur) * ((a.reach() + b.reach()) + c.reach());
+    let doubt = blur.least(L::splat(ray.doubt()));
+    let under = zero - doubt;
+    let maybe = lanes & !(low.lt(under) & doubt.lt(high));
     if maybe == 0 {
         return false;
     }
@@ -157,7 +174,7 @@ fn one<const ANY: bool, L: Lanes<4>>(block: &Block, lanes: u32, ray: impl Aim, b
     let depth = wa * a.z + wb * b.z + wc * c.z;
     let size = |p: (L, L)| p.0.abs() + p.1.abs();
     let sizes = (size(pa) + size(pb)) + size(pc);
-    let clear = (zero.lt(low) | high.lt(zero))
+    let clear = (doubt.lt(low) | high.lt(under))
         & L::splat(LEAST_DET).lt(det.abs())
         & det.abs().lt(L::splat(MOST_DET))
         & depth.abs().lt(L::splat(f32::INFINITY))
@@ -237,11 +254,11 @@ fn slab<L: Lanes<4>>(block: &Block, ray: impl Aim) -> (L, L) {
     (near, far)
 }
 
-/// The one-triangle test of a lane. Returns whether it hit, and the best hit then.
+/// The rest of the one-triangle test of a lane. Returns whether it hit, and the best hit then.
 #[cold]
 #[inline(never)]
 fn again(block: &Block, lane: usize, ray: Prepared, mut best: Best) -> (bool, Best) {
-    let crossing = block.triangle(lane).crossing(&ray, best.t);
+    let crossing = block.triangle(lane).crossing_closely(&ray, best.t);
     if let Some(crossing) = crossing {
         best.offer(crossing, block.ids[lane % 4]);
     }

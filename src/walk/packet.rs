@@ -9,19 +9,13 @@ use super::NO_PRIM;
 use super::heading::Heading;
 use super::lanes::Lanes;
 use crate::blob::block::Block;
-use crate::geom::ray::{Axis, ORIGIN_PAD, PAD, Prepared};
+use crate::geom::place::Place;
+use crate::geom::ray::{Axis, ORIGIN_PAD, PAD, Prepared, blurs, doubts};
 use crate::geom::triangle::{LEAST_DET, MOST_CANCELLED, MOST_DET};
 use crate::geom::vec::{Vec3, least, most};
-use crate::geom::{Aabb, Hit, Ray};
+use crate::geom::{Hit, Ray};
 use crate::num::index;
 pub(crate) use range::Range;
-
-/// Where a scene is.
-#[derive(Clone, Copy)]
-pub(crate) struct Place<'p> {
-    pub(crate) bounds: &'p Aabb,
-    pub(crate) local: &'p Vec3,
-}
 
 /// Rays from which a side of the scene is so far go alone: nothing of the others overflows.
 const FAR: f32 = 1e37;
@@ -37,6 +31,8 @@ pub(crate) struct Packet<const N: usize> {
     far_origin: [Each<N>; 3],
     inv: [Each<N>; 3],
     shear: [Each<N>; 2],
+    dir: [Each<N>; 3],
+    doubt: Each<N>,
     t_min: Each<N>,
     t: Each<N>,
     u: Each<N>,
@@ -54,6 +50,8 @@ impl<const N: usize> Packet<N> {
             far_origin: [zero; 3],
             inv: [zero; 3],
             shear: [zero; 2],
+            dir: [zero; 3],
+            doubt: zero,
             t_min: zero,
             t: none,
             u: zero,
@@ -65,7 +63,7 @@ impl<const N: usize> Packet<N> {
     /// Takes rays. Those of lanes that are not `live` are not asked for, though they may stand there. Returns in which
     /// lanes the ray has the heading: the others are not prepared rightly.
     #[inline(always)]
-    pub(crate) fn set<L: Lanes<N>>(&mut self, rays: &[Ray; N], live: u32, heading: Heading, place: Place<'_>) -> u32 {
+    pub(crate) fn set<L: Lanes<N>>(&mut self, rays: &[Ray; N], live: u32, heading: Heading, place: &Place<'_>) -> u32 {
         let (mut origin, mut dir, mut t_min, mut t_max) = ([[0.0; N]; 3], [[0.0; N]; 3], [0.0; N], [0.0; N]);
         for (i, ray) in rays.iter().enumerate() {
             let i = i % N;
@@ -98,7 +96,9 @@ impl<const N: usize> Packet<N> {
             self.near_origin[k] = (origin[k] + pad).store();
             self.far_origin[k] = (origin[k] - pad).store();
             self.inv[k] = inv[k].store();
+            self.dir[k] = dir[k].store();
         }
+        self.doubt = doubts(extent, place.coarse).store();
         let (kx, ky) = heading.kz.others();
         let inv_kz = inv[heading.kz.at()];
         self.shear = [(dir[kx.at()] * inv_kz).store(), (dir[ky.at()] * inv_kz).store()];
@@ -142,7 +142,13 @@ impl<const N: usize> Packet<N> {
         let (low, high) = (wa.least(wb).least(wc), wa.most(wb).most(wc));
         let zero = L::splat(0.0);
         let all = u32::MAX >> (32 - N);
-        let maybe = all & !(low.lt(zero) & zero.lt(high));
+        let doubt = L::load(&self.doubt);
+        // As in `block::one`.
+        let blur = blurs::<N, L>(L::load(&self.near_origin[0]), L::load(&self.far_origin[0]), doubt);
+        let blur = blur * ((a.reach::<N>() + b.reach::<N>()) + c.reach::<N>());
+        let doubt = blur.least(doubt);
+        let under = zero - doubt;
+        let maybe = all & !(low.lt(under) & doubt.lt(high));
         if maybe == 0 {
             return 0;
         }
@@ -150,7 +156,7 @@ impl<const N: usize> Packet<N> {
         let depth = wa * a.z + wb * b.z + wc * c.z;
         let size = |p: (L, L)| p.0.abs() + p.1.abs();
         let sizes = (size(pa) + size(pb)) + size(pc);
-        let clear = (zero.lt(low) | high.lt(zero))
+        let clear = (doubt.lt(low) | high.lt(under))
             & L::splat(LEAST_DET).lt(det.abs())
             & det.abs().lt(L::splat(MOST_DET))
             & depth.abs().lt(L::splat(f32::INFINITY))
@@ -243,11 +249,13 @@ impl<const N: usize> Packet<N> {
             turned: [[origin[kx.at()], origin[ky.at()], origin[heading.kz.at()]]; _],
             inv_kz: inv[heading.kz.at()],
             shear: [self.shear[0][i], self.shear[1][i]],
+            dir: row(&self.dir),
+            doubt: self.doubt[i],
             t_min: self.t_min[i],
             t_max: self.t[i],
             unit: 1.0,
         };
-        let Some(found) = block.triangle(lane).crossing(&prepared, self.t[i]) else {
+        let Some(found) = block.triangle(lane).crossing_closely(&prepared, self.t[i]) else {
             return 0;
         };
         let prim = block.ids[lane % 4];
@@ -310,6 +318,15 @@ impl<L> Sheared<L> {
         let x = L::splat(v[0]) - origin[0] - shear[0] * z;
         let y = L::splat(v[1]) - origin[1] - shear[1] * z;
         Self { x, y, z }
+    }
+
+    /// The sum of its distances from the two axes of the plane.
+    #[inline(always)]
+    fn reach<const N: usize>(self) -> L
+    where
+        L: Lanes<N>,
+    {
+        self.x.abs() + self.y.abs()
     }
 
     /// The two products of the edge function.

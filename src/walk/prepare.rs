@@ -3,9 +3,10 @@
 //! The steps on each axis are those of [`Prepared::new`], so the result has the same bits. What only primitives need comes
 //! after the scene's own box: a ray that misses that costs little.
 use super::lanes::{Four, Lanes};
-use crate::geom::ray::{Axis, ORIGIN_PAD, PAD, Prepared, SMALL};
+use crate::geom::Ray;
+use crate::geom::place::Place;
+use crate::geom::ray::{Axis, ORIGIN_PAD, PAD, Prepared, SMALL, doubt};
 use crate::geom::vec::{Vec3, least, most};
-use crate::geom::{Aabb, Ray};
 
 /// A ray as two rows and a bit more, made where the caller has its numbers at hand. A walk is called out of line, so its ray
 /// goes through memory; what was written number by number can not be read four at a time before it has arrived there, and
@@ -52,16 +53,17 @@ pub struct Entered<L> {
     far_origin: L,
     t_min: f32,
     t_max: f32,
+    doubt: f32,
     /// Whether no distance to a plane is NaN, and none that counts is negative; nor is the greatest 0, of whatever sign.
     pub quick: bool,
 }
 
 /// The same as [`Prepared::new`], but also `None` for a ray that misses the scene's box.
 #[inline(always)]
-pub fn prepare<L: Lanes<4>>(ray: &Given, bounds: &Aabb, local: &Vec3) -> Option<Prepared> {
-    match Entered::<L>::new(ray, bounds, local) {
+pub fn prepare<L: Lanes<4>>(ray: &Given, place: &Place<'_>) -> Option<Prepared> {
+    match Entered::<L>::new(ray, place) {
         Some(entered) => Some(entered.prepared()),
-        None if ray.is_tiny() => tiny(*ray, *bounds, *local),
+        None if ray.is_tiny() => tiny(*ray, place),
         None => None,
     }
 }
@@ -69,7 +71,7 @@ pub fn prepare<L: Lanes<4>>(ray: &Given, bounds: &Aabb, local: &Vec3) -> Option<
 impl<L: Lanes<4>> Entered<L> {
     /// `None` for a ray that makes no sense, that misses the scene's box, or that [is tiny](Given::is_tiny).
     #[inline(always)]
-    pub fn new(ray: &Given, bounds: &Aabb, local: &Vec3) -> Option<Self> {
+    pub fn new(ray: &Given, place: &Place<'_>) -> Option<Self> {
         // The fourth number of a row is whatever lies there: one load takes four.
         let row = |[x, y, z]: Vec3, next: f32| L::load(&[x, y, z, next]);
         let ([.., t_min], t_max) = (ray.dir.store(), ray.t_max);
@@ -84,11 +86,12 @@ impl<L: Lanes<4>> Entered<L> {
         }
         let quick = large == 7 && t_min >= 0.0 && t_max > 0.0;
         let inv = L::splat(1.0) / dir;
-        let origin = given - row(*local, 0.0);
+        let (bounds, local) = (place.bounds, place.local);
+        let origin = given - row(local, 0.0);
         let (min, max) = (row(bounds.min, bounds.max[0]), row(bounds.max, 0.0));
         let [x, y, z, _] = (max - origin).abs().most((min - origin).abs()).store();
-        let extent = most(z, most(y, x));
-        let pad = L::splat(extent * PAD) + (origin.abs() * L::splat(ORIGIN_PAD) + L::splat(f32::MIN_POSITIVE));
+        let extent = most(z, most(y, x)) * PAD;
+        let pad = L::splat(extent) + (origin.abs() * L::splat(ORIGIN_PAD) + L::splat(f32::MIN_POSITIVE));
         let pad = pad.signed_as(dir);
         let (near_origin, far_origin) = (origin + pad, origin - pad);
         // The nearer plane gives the lesser product, whichever the sign; but where both are NaN.
@@ -98,7 +101,8 @@ impl<L: Lanes<4>> Entered<L> {
         let [fx, fy, fz, _] = a.most(b).store();
         let near = most(nz, most(ny, most(nx, t_min)));
         let far = least(fz, least(fy, least(fx, t_max)));
-        (near <= far).then_some(Self { dir, inv, origin, near_origin, far_origin, t_min, t_max, quick })
+        let doubt = doubt(extent, place.coarse);
+        (near <= far).then_some(Self { dir, inv, origin, near_origin, far_origin, t_min, t_max, doubt, quick })
     }
 
     /// The ray prepared.
@@ -124,6 +128,8 @@ impl<L: Lanes<4>> Entered<L> {
             turned: [[origins[kx.at()], origins[ky.at()], origins[kz.at()]]; _],
             inv_kz,
             shear: [dirs[kx.at()] * inv_kz, dirs[ky.at()] * inv_kz],
+            dir: three(self.dir),
+            doubt: self.doubt,
             t_min: self.t_min,
             t_max: self.t_max,
             unit: 1.0,
@@ -134,8 +140,8 @@ impl<L: Lanes<4>> Entered<L> {
 /// The path of tiny directions.
 #[cold]
 #[inline(never)]
-fn tiny(ray: Given, bounds: Aabb, local: Vec3) -> Option<Prepared> {
-    Prepared::new(&ray.ray(), &bounds, local)
+fn tiny(ray: Given, place: &Place<'_>) -> Option<Prepared> {
+    Prepared::new(&ray.ray(), place)
 }
 
 #[inline(always)]

@@ -21,10 +21,11 @@ use crate::bvh::Child;
 use crate::bvh::tree::root;
 use crate::bvh::walk::Rows;
 use crate::geom::Ray;
+use crate::geom::place::Place;
 use crate::num::{count, index};
 use crate::walk::heading::Heading;
 use crate::walk::lanes::{Lanes, Work};
-use crate::walk::packet::{Packet, Place, Range};
+use crate::walk::packet::{Packet, Range};
 use crate::walk::{Meter, Stop};
 
 /// Rays of a group.
@@ -148,7 +149,7 @@ impl Team {
 
     /// Takes some of the rays. Returns whether all have the heading.
     #[inline(always)]
-    fn set<L: Lanes<8>>(&mut self, rays: &[Ray], mine: u64, heading: Heading, place: Place<'_>) -> bool {
+    fn set<L: Lanes<8>>(&mut self, rays: &[Ray], mine: u64, heading: Heading, place: &Place<'_>) -> bool {
         let rays_left = index(mine.count_ones());
         let in_row = mine & mine.wrapping_add(1) == 0;
         let (mut good, mut mine) = (true, mine);

@@ -4,12 +4,12 @@ use super::packet::Packets;
 use super::stream::{Crowd, Stream};
 use super::{Node, Query, View, Wide};
 use crate::blob::prims::Prims;
+use crate::geom::place::Place;
 use crate::geom::vec::{size, sub};
 use crate::geom::{Hit, Ray};
 use crate::num::count;
 use crate::walk::heading::{Heading, PacketSize};
 use crate::walk::lanes::{Lanes, Work};
-use crate::walk::packet::Place;
 use crate::walk::prepare::Given;
 use crate::walk::{Fuel, Isa, Meter, Tally};
 
@@ -105,7 +105,7 @@ where
 pub(crate) struct Many<'q, 'a, const W: usize> {
     pub view: &'q View<'a, W>,
     pub prims: &'q Prims<'a>,
-    pub place: Place<'q>,
+    pub place: &'q Place<'q>,
     pub fuel: u32,
     pub isa: Isa,
 }
@@ -195,11 +195,10 @@ where
     /// Some of up to 64 rays, one after another.
     #[inline(always)]
     fn alone<A: Answer, P: Purse, const ANY: bool>(self, which: u64, rays: &[Ray], answers: &mut [A], purse: &mut P) {
-        let Self { view, prims, place: Place { bounds, local }, fuel, isa } = self;
+        let Self { view, prims, place, fuel, isa } = self;
         for (i, (ray, answer)) in rays.iter().zip(answers).enumerate() {
             if which >> i & 1 == 1 {
-                let query =
-                    Query::<_, ANY, W> { view, prims, ray: Given::new(ray), bounds, local, meter: purse.open(fuel) };
+                let query = Query::<_, ANY, W> { view, prims, ray: Given::new(ray), place, meter: purse.open(fuel) };
                 isa.run(Placed { query, answer });
             }
         }

@@ -8,6 +8,7 @@ use super::{In, Node, STACK, View, Wide, slots};
 use crate::blob::prims::Prims;
 use crate::bvh::Child;
 use crate::bvh::tree::root;
+use crate::geom::place::Place;
 use crate::geom::ray::Prepared;
 use crate::geom::{Aabb, Hit};
 use crate::num::index;
@@ -20,8 +21,7 @@ pub(crate) struct Query<'q, 'a, M, const ANY: bool, const W: usize> {
     pub view: &'q View<'a, W>,
     pub prims: &'q Prims<'a>,
     pub ray: Given,
-    pub bounds: &'q Aabb,
-    pub local: &'q [f32; 3],
+    pub place: &'q Place<'q>,
     pub meter: M,
 }
 
@@ -36,7 +36,7 @@ where
         if !In::<W, L8, L4>::QUICK {
             return Slow(self).run::<L8, L4>();
         }
-        let Some(entered) = Entered::<L4>::new(&self.ray, self.bounds, self.local) else {
+        let Some(entered) = Entered::<L4>::new(&self.ray, self.place) else {
             return if self.ray.is_tiny() { L8::call(Slow(self)) } else { Ok(None) };
         };
         if !entered.quick {
@@ -61,8 +61,8 @@ where
 
     #[inline(always)]
     fn run<L8: Lanes<8>, L4: Lanes<4>>(self) -> Self::Output {
-        let Query { view, prims, ray, bounds, local, mut meter } = self.0;
-        let Some(ray) = prepare::<L4>(&ray, bounds, local) else { return Ok(None) };
+        let Query { view, prims, ray, place, mut meter } = self.0;
+        let Some(ray) = prepare::<L4>(&ray, place) else { return Ok(None) };
         let mut best = Best::new(ray.t_max);
         let root = root(view.nodes, prims.len);
         walk_with::<W, ANY, false, In<W, L8, L4>, L4>(view, prims, root, &ray, &mut best, &mut meter)?;
@@ -202,7 +202,9 @@ fn walk_with<const W: usize, const ANY: bool, const QUICK: bool, L: Lanes<W>, L4
         };
         if leaf.len() > 0 {
             let over = if prims.blocks.is_empty() {
-                test::<ANY>(prims, (slots(prims, leaf).0, leaf.len()), ray, best, meter)?
+                // A copy, because that test points to its ray where f32 is not enough: what nobody points to stays in registers.
+                let ray = *ray;
+                test::<ANY>(prims, (slots(prims, leaf).0, leaf.len()), &ray, best, meter)?
             } else {
                 block::test::<ANY, L4>(prims.blocks, (leaf.number(), leaf.len()), ray, best, meter)?
             };

@@ -37,7 +37,7 @@ fn damaged_blobs() {
         ("odd.fray", good[..good.len() - 1].to_vec(), "rule 5, header: "),
         ("long.fray", [&good[..], &[0]].concat(), "rule 5, header: "),
         ("magic.fray", changed(0), "rule 3, header: "),
-        ("version.fray", changed(4), "rule 4, header: the format version is one that this library reads (found 17"),
+        ("version.fray", changed(4), "rule 4, header: the format version is one that this library reads (found 18"),
         ("header.fray", changed(12), "rule 14, header: "),
         ("body.fray", changed(good.len() - 9), "rule 14, header: "),
         ("mesh.fray", folder.get("cube.obj"), "rule 3, header: "),

@@ -86,7 +86,7 @@ fn info_for_people_has_the_same_numbers() {
     let line = |start: &str| said.lines().find(|l| l.starts_with(start)).unwrap_or_else(|| panic!("{start}: {said}"));
     let checksum = facts["checksum"].as_str().expect("text");
     for (start, parts) in [
-        ("kind ", vec!["bvh".to_string(), "version 1".into()]),
+        ("kind ", vec!["bvh".to_string(), "version 2".into()]),
         ("checksum ", vec![checksum.into()]),
         ("bytes ", vec![format!("{} ", facts["bytes"])]),
         ("primitives ", vec!["12".into()]),

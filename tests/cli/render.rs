@@ -99,7 +99,7 @@ fn every_camera_option_counts() {
 fn a_scene_without_primitives_is_all_sky() {
     let folder = Folder::with_cube("render-empty");
     for kind in ["bvh", "list"] {
-        let golden = format!("tests/golden/v1-{kind}-empty.fray");
+        let golden = format!("tests/golden/v2-{kind}-empty.fray");
         fs::copy(Path::new(env!("CARGO_MANIFEST_DIR")).join(golden), folder.path("cube.fray")).expect("a golden blob");
         for shade in ["normals", "depth", "ids", "heat"] {
             let picture = render(&folder, &format!("--size 16x12 --shade {shade}"));

@@ -9,6 +9,7 @@ use core::hint::black_box;
 use core::panic::PanicInfo;
 use flashray::blob::Blob;
 use flashray::blob::prims::Prims;
+use flashray::geom::place::Place;
 use flashray::geom::ray::Prepared;
 use flashray::walk::mailbox::NoMailbox;
 use flashray::walk::{Best, Fuel, Stop};
@@ -29,7 +30,8 @@ fn query(bytes: &[u8], ray: &Ray) -> Result<Option<Hit>, BlobError> {
     let blob = Blob::parse(bytes)?;
     let (header, prims) = (blob.header(), Prims::parse(&blob)?);
     let mut best = Best::new(ray.t_max);
-    let Some(ray) = Prepared::new(ray, &header.bounds, header.local) else { return Ok(None) };
+    let place = Place::new(&header.bounds, header.local, header.longest);
+    let Some(ray) = Prepared::new(ray, &place) else { return Ok(None) };
     let walked = walk(&blob, black_box(&prims), black_box(&ray), &mut best, &mut Fuel(header.steps), &mut NoMailbox)?;
     Ok(if walked.is_ok() { best.hit() } else { None })
 }

@@ -5,7 +5,8 @@
 mod boxes;
 
 use super::{AT_ONCE, CHUNKS, RAYS, each};
-use crate::geom::ray::{Axis, ORIGIN_PAD, PAD, Prepared, SMALL};
+use crate::geom::place::Place;
+use crate::geom::ray::{Axis, ORIGIN_PAD, PAD, Prepared, SMALL, doubts};
 use crate::geom::vec::{least, most};
 use crate::geom::{Aabb, Ray};
 use crate::walk::lanes::Lanes;
@@ -27,6 +28,8 @@ pub(super) struct Bundle {
     /// As in [`Prepared`].
     pub(super) turned: [Each; 3],
     pub(super) shear: [Each; 2],
+    pub(super) dir: [Each; 3],
+    pub(super) doubt: Each,
     pub(super) inv_kz: Each,
     pub(super) t_min: Each,
     /// Distances to beat.
@@ -53,6 +56,8 @@ impl Bundle {
             sign: three,
             turned: three,
             shear: [NONE; 2],
+            dir: three,
+            doubt: NONE,
             inv_kz: NONE,
             t_min: NONE,
             t: NONE,
@@ -72,10 +77,9 @@ impl Bundle {
         chunk: usize,
         rays: [&Ray; AT_ONCE],
         live: u32,
-        bounds: &Aabb,
-        local: &[f32; 3],
+        place: &Place<'_>,
     ) -> u32 {
-        let chunk = chunk % CHUNKS;
+        let (chunk, bounds, local) = (chunk % CHUNKS, place.bounds, place.local);
         let given = [of::<L>(&rays, |r| r.origin[0]), of::<L>(&rays, |r| r.origin[1]), of::<L>(&rays, |r| r.origin[2])];
         let zero = L::splat(0.0);
         let dir = [of::<L>(&rays, |r| r.dir[0]), of::<L>(&rays, |r| r.dir[1]), of::<L>(&rays, |r| r.dir[2])];
@@ -98,7 +102,9 @@ impl Bundle {
             self.far_origin[k][chunk] = ((origin[k] - pad) * sign).store();
             self.inv[k][chunk] = (inv[k] * sign).store();
             self.sign[k][chunk] = sign.store();
+            self.dir[k][chunk] = dir[k].store();
         }
+        self.doubt[chunk] = doubts(extent, place.coarse).store();
         self.t_min[chunk] = t_min.store();
         self.t[chunk] = t_max.store();
         let third = sizes[1].most(sizes[0]).lt(sizes[2]) & good;
@@ -251,6 +257,8 @@ impl Bundle {
             turned: [turned; _],
             inv_kz: at(&self.inv_kz),
             shear: [at(&self.shear[0]), at(&self.shear[1])],
+            dir: three(&self.dir),
+            doubt: at(&self.doubt),
             t_min: at(&self.t_min),
             t_max: at(&self.t),
             unit: 1.0,

@@ -7,7 +7,7 @@ use super::{AT_ONCE, CHUNKS, RAYS, Slots, State, each, low_byte};
 use crate::blob::prims::Prims;
 use crate::geom::Triangle;
 use crate::geom::hit::Crossing;
-use crate::geom::ray::{Axis, Prepared};
+use crate::geom::ray::{Axis, Prepared, blurs};
 use crate::geom::triangle::{LEAST_DET, MOST_CANCELLED, MOST_DET};
 use crate::num::{count, index};
 use crate::walk::lanes::Lanes;
@@ -41,6 +41,12 @@ struct Sheared<L> {
 }
 
 impl<L: Lanes<8>> Sheared<L> {
+    /// The sum of its distances from the two axes of the plane.
+    #[inline(always)]
+    fn reach(self) -> L {
+        self.x.abs() + self.y.abs()
+    }
+
     /// The two products of the edge function.
     #[inline(always)]
     fn products(self, to: Self) -> (L, L) {
@@ -68,7 +74,13 @@ impl Bundle {
         let (wa, wb, wc) = (pa.0 - pa.1, pb.0 - pb.1, pc.0 - pc.1);
         let (low, high) = (wa.least(wb).least(wc), wa.most(wb).most(wc));
         let zero = L::splat(0.0);
-        let maybe = lanes & !(low.lt(zero) & zero.lt(high));
+        let doubt = row::<L>(&self.doubt, chunk);
+        let padded = (row(&self.near_origin[0], chunk), row(&self.far_origin[0], chunk));
+        // As in `block::one`.
+        let blur = blurs::<8, L>(padded.0, padded.1, doubt) * ((a.reach() + b.reach()) + c.reach());
+        let doubt = blur.least(doubt);
+        let under = zero - doubt;
+        let maybe = lanes & !(low.lt(under) & doubt.lt(high));
         if maybe == 0 {
             return Found::NOTHING;
         }
@@ -76,7 +88,7 @@ impl Bundle {
         let depth = wa * a.z + wb * b.z + wc * c.z;
         let sizes = ((pa.0.abs() + pa.1.abs()) + (pb.0.abs() + pb.1.abs())) + (pc.0.abs() + pc.1.abs());
         let infinite = L::splat(f32::INFINITY);
-        let clear = (zero.lt(low) | high.lt(zero))
+        let clear = (doubt.lt(low) | high.lt(under))
             & L::splat(LEAST_DET).lt(det.abs())
             & det.abs().lt(L::splat(MOST_DET))
             & depth.abs().lt(infinite)

@@ -7,29 +7,29 @@
 use super::bundle::Bundle;
 use super::leaf::Found;
 use super::{AT_ONCE, CHUNKS};
-use crate::geom::ray::{Axis, ORIGIN_PAD, PAD, SMALL};
+use crate::geom::place::Place;
+use crate::geom::ray::{Axis, ORIGIN_PAD, PAD, SMALL, blur, doubt};
 use crate::geom::triangle::{LEAST_DET, MOST_CANCELLED, MOST_DET};
 use crate::geom::vec::{Vec3, least, most};
 use crate::geom::{Aabb, Ray, Triangle};
+
+/// A number of no ray.
+const NONE: [f32; AT_ONCE] = [0.0; AT_ONCE];
 
 /// What the edge functions of a triangle say of eight rays.
 struct Edges {
     weights: [[f32; AT_ONCE]; 3],
     depth: [f32; AT_ONCE],
     sizes: [f32; AT_ONCE],
+    /// The sums of its coordinates in the plane.
+    reach: [f32; AT_ONCE],
 }
 
 impl Bundle {
     /// [`Bundle::set`].
     #[inline(never)]
-    pub(super) fn set_in_loops(
-        &mut self,
-        chunk: usize,
-        rays: [&Ray; AT_ONCE],
-        live: u32,
-        bounds: &Aabb,
-        local: &Vec3,
-    ) -> u32 {
+    pub(super) fn set_in_loops(&mut self, chunk: usize, rays: [&Ray; AT_ONCE], live: u32, place: &Place<'_>) -> u32 {
+        let (bounds, local) = (place.bounds, place.local);
         let (chunk, no) = (chunk % CHUNKS, [0; AT_ONCE]);
         let (mut given, mut dir) = ([[0.0; AT_ONCE]; 3], [[0.0; AT_ONCE]; 3]);
         for (i, ray) in rays.into_iter().enumerate() {
@@ -47,6 +47,7 @@ impl Bundle {
             let inv = d.map(|d| 1.0 / d);
             let reach = |k: usize| most((bounds.max[k] - o[k]).abs(), (bounds.min[k] - o[k]).abs());
             let extent = most(reach(2), most(reach(1), reach(0))) * PAD;
+            self.doubt[chunk][i] = doubt(extent, place.coarse);
             let mut is_good = u8::from(self.t_min[chunk][i] <= self.t[chunk][i]);
             is_good &= u8::from(SMALL <= most(sizes[2], most(sizes[1], sizes[0])));
             for k in 0..3 {
@@ -57,6 +58,7 @@ impl Bundle {
                 self.far_origin[k][chunk][i] = (o[k] - pad) * sign;
                 self.inv[k][chunk][i] = inv[k] * sign;
                 self.sign[k][chunk][i] = sign;
+                self.dir[k][chunk][i] = d[k];
                 negative[k][i] = u8::from(d[k] < 0.0);
             }
             let (is_third, is_second) = (most(sizes[1], sizes[0]) < sizes[2], sizes[0] < sizes[1]);
@@ -122,7 +124,7 @@ impl Bundle {
     #[inline(always)]
     pub(super) fn test_in_loops(&self, chunk: usize, lanes: u32, kz: Axis, triangle: &Triangle) -> Found {
         let (mut found, mut edges) =
-            (Found::NOTHING, Edges { weights: [[0.0; AT_ONCE]; 3], depth: [0.0; AT_ONCE], sizes: [0.0; AT_ONCE] });
+            (Found::NOTHING, Edges { weights: [NONE; 3], depth: NONE, sizes: NONE, reach: NONE });
         let maybe = lanes & self.edges(chunk, kz, triangle, &mut edges);
         if maybe != 0 {
             self.rest(chunk, &triangle.bounds(), &edges, &mut found);
@@ -147,7 +149,10 @@ impl Bundle {
             let (pa, pb, pc) = (products(b, c), products(c, a), products(a, b));
             let (wa, wb, wc) = (pa.0 - pa.1, pb.0 - pb.1, pc.0 - pc.1);
             let (low, high) = (least(least(wa, wb), wc), most(most(wa, wb), wc));
-            maybe[i] = u8::from(!(low < 0.0 && high > 0.0));
+            let doubt = self.doubt[chunk][i];
+            maybe[i] = 1 ^ (u8::from(low < -doubt) & u8::from(high > doubt));
+            let reach = |v: Vec3| v[0].abs() + v[1].abs();
+            edges.reach[i] = (reach(a) + reach(b)) + reach(c);
             (edges.weights[0][i], edges.weights[1][i], edges.weights[2][i]) = (wa, wb, wc);
             edges.depth[i] = wa * a[2] + wb * b[2] + wc * c[2];
             edges.sizes[i] = ((pa.0.abs() + pa.1.abs()) + (pb.0.abs() + pb.1.abs())) + (pc.0.abs() + pc.1.abs());
@@ -164,7 +169,13 @@ impl Bundle {
             let (low, high) = (least(least(wa, wb), wc), most(most(wa, wb), wc));
             let det = wa + wb + wc;
             // Bytes, not conditions: those would become branches.
-            let clear = (u8::from(low > 0.0) | u8::from(high < 0.0))
+            let doubt = self.doubt[chunk][i];
+            let (near, far) = (self.near_origin[0][chunk][i], self.far_origin[0][chunk][i]);
+            let blur = blur(near, far, doubt) * edges.reach[i];
+            let missed = u8::from(low < -blur) & u8::from(high > blur);
+            let sure =
+                (u8::from(low > doubt) | u8::from(high < -doubt)) | (u8::from(low > blur) | u8::from(high < -blur));
+            let clear = sure
                 & u8::from(det.abs() > LEAST_DET)
                 & u8::from(det.abs() < MOST_DET)
                 & u8::from(depth.abs() < f32::INFINITY)
@@ -178,11 +189,12 @@ impl Bundle {
             }
             let t = depth / det * self.inv_kz[chunk][i];
             let t = least(far, most(near, t)) + 0.0;
-            good[i] = u8::from(near <= far)
+            good[i] = (missed ^ 1)
+                & u8::from(near <= far)
                 & u8::from(self.t_min[chunk][i] <= t)
                 & u8::from(t <= self.t[chunk][i])
                 & u8::from(t.abs() < f32::INFINITY);
-            odd[i] = clear ^ 1;
+            odd[i] = (clear | missed) ^ 1;
             (found.t[i], found.u[i], found.v[i]) = (t, wb / det, wc / det);
         }
         (found.good, found.odd) = (packed(good), packed(odd));

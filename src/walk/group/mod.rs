@@ -23,6 +23,7 @@ use super::lanes::{Lanes, Work};
 use super::{Best, Meter, Stop, Tally};
 use crate::blob::MAX_STACK;
 use crate::blob::prims::Prims;
+use crate::geom::place::Place;
 use crate::geom::ray::Prepared;
 use crate::geom::vec::sub;
 use crate::geom::{Aabb, Hit, Ray};
@@ -83,26 +84,26 @@ impl<'a, T: Tree<'a>, const ANY: bool, const LISTS: bool> Work for Group<'_, 'a,
             best: [Best::new(0.0); RAYS],
             heading: Heading::default(),
         };
-        let Rays { prims, rays, hits, bounds, local } = self.rays;
+        let Rays { prims, rays, hits, place } = self.rays;
         hits.fill(None);
         state.sort(rays);
-        let (alive, odd) = state.gather::<L8>(rays, bounds, local);
+        let (alive, odd) = state.gather::<L8>(rays, place);
         if LISTS {
             state.walk_lists::<T, ANY, L8>(&self.tree, prims, alive, self.meter)?;
         } else {
             state.walk::<T, ANY, L8>(&self.tree, prims, alive, self.meter)?;
         }
         for i in each(alive) {
-            if let Some(place) = hits.get_mut(usize::from(state.number[i % RAYS])) {
-                *place = state.best[i % RAYS].hit();
+            if let Some(answer) = hits.get_mut(usize::from(state.number[i % RAYS])) {
+                *answer = state.best[i % RAYS].hit();
             }
         }
         for number in each(odd) {
-            let (Some(ray), Some(place)) = (rays.get(number), hits.get_mut(number)) else { continue };
-            let Some(ray) = Prepared::new(ray, bounds, *local) else { continue };
+            let (Some(ray), Some(answer)) = (rays.get(number), hits.get_mut(number)) else { continue };
+            let Some(ray) = Prepared::new(ray, place) else { continue };
             let ((at, bounds), mut best) = (self.tree.root(), Best::new(ray.t_max));
             self.tree.alone::<ANY>(at, &bounds, &ray, &mut best, self.meter)?;
-            *place = best.hit().map(|hit| Hit { t: hit.t * ray.unit, ..hit });
+            *answer = best.hit().map(|hit| Hit { t: hit.t * ray.unit, ..hit });
         }
         Ok(())
     }
@@ -135,7 +136,7 @@ impl State {
 
     /// Prepares the rays. Returns those that make sense, and those that are to be looked at alone.
     #[inline(always)]
-    fn gather<L: Lanes<8>>(&mut self, rays: &[Ray], bounds: &Aabb, local: &[f32; 3]) -> (u64, u64) {
+    fn gather<L: Lanes<8>>(&mut self, rays: &[Ray], place: &Place<'_>) -> (u64, u64) {
         let Some(first) = rays.first() else { return (0, 0) };
         let (mut alive, mut odd) = (0, 0);
         let chunks = rays.len().div_ceil(AT_ONCE).min(CHUNKS);
@@ -144,9 +145,9 @@ impl State {
             let live = if left < AT_ONCE { (1u32 << left).wrapping_sub(1) } else { 255 };
             let eight = numbers.map(|n| rays.get(usize::from(n)).unwrap_or(first));
             let good = if L::AT_ONCE {
-                self.bundle.set::<L>(chunk, eight, live, bounds, local)
+                self.bundle.set::<L>(chunk, eight, live, place)
             } else {
-                self.bundle.set_in_loops(chunk, eight, live, bounds, local)
+                self.bundle.set_in_loops(chunk, eight, live, place)
             };
             alive |= u64::from(good) << (chunk * AT_ONCE);
             for lane in each(u64::from(live & !good)) {
@@ -155,7 +156,7 @@ impl State {
         }
         self.len = rays.len();
         let all = origins(rays);
-        self.bundle.origins = Aabb { min: sub(all.min, *local), max: sub(all.max, *local) };
+        self.bundle.origins = Aabb { min: sub(all.min, place.local), max: sub(all.max, place.local) };
         self.heading = Heading(self.bundle.survey::<L>(rays.len()));
         for (best, &t) in self.best.iter_mut().zip(self.bundle.t.as_flattened()) {
             *best = Best::new(t);

@@ -1,5 +1,6 @@
 //! The rays of a group as they are given, and whether they are worth one.
 use crate::blob::prims::Prims;
+use crate::geom::place::Place;
 use crate::geom::vec::{least3, most3, size, sub};
 use crate::geom::{Aabb, Hit, Ray};
 
@@ -17,17 +18,15 @@ pub struct Rays<'q, 'a> {
     pub rays: &'q [Ray],
     /// As many places for answers.
     pub hits: &'q mut [Option<Hit>],
-    /// The scene's box.
-    pub bounds: &'q Aabb,
-    /// Its local origin.
-    pub local: &'q [f32; 3],
+    /// Where the scene is.
+    pub place: &'q Place<'q>,
 }
 
 impl Rays<'_, '_> {
     /// Whether they are worth a group: their origins are near to each other, as the scene goes.
     pub fn are_near(&self) -> bool {
         let all = origins(self.rays);
-        let (origins, scene) = (sub(all.max, all.min), sub(self.bounds.max, self.bounds.min));
+        let (origins, scene) = (sub(all.max, all.min), sub(self.place.bounds.max, self.place.bounds.min));
         let most = size(scene);
         self.rays.len() >= LEAST && size(origins) * NEAR <= most
     }

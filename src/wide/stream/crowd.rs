@@ -5,13 +5,13 @@
 use super::RAYS;
 use crate::bvh::walk::Rows;
 use crate::geom::hit::Crossing;
-use crate::geom::ray::{Axis, ORIGIN_PAD, PAD, Prepared, SMALL};
+use crate::geom::place::Place;
+use crate::geom::ray::{Axis, ORIGIN_PAD, PAD, Prepared, SMALL, doubts};
 use crate::geom::vec::Vec3;
 use crate::geom::{Aabb, Ray, Triangle};
 use crate::walk::Best;
 use crate::walk::block::Aim;
 use crate::walk::lanes::Lanes;
-use crate::walk::packet::Place;
 use crate::wide::slabs::Slab;
 
 /// Rays that are prepared at once.
@@ -31,6 +31,8 @@ pub(crate) struct Rays {
     /// The origin on the axes of the shear.
     turned: [Each; 3],
     shear: [Each; 2],
+    dir: [Each; 3],
+    doubt: Each,
     inv_kz: Each,
     t_min: Each,
     t_max: Each,
@@ -99,6 +101,8 @@ impl Rays {
             inv: [zero; 3],
             turned: [zero; 3],
             shear: [zero; 2],
+            dir: [zero; 3],
+            doubt: zero,
             inv_kz: zero,
             t_min: zero,
             t_max: zero,
@@ -115,7 +119,7 @@ impl Rays {
         c: usize,
         rays: &[Ray; AT_ONCE],
         best: &mut [Best; RAYS],
-        place: Place<'_>,
+        place: &Place<'_>,
     ) -> Told {
         let c = c % (RAYS / AT_ONCE);
         let (mut origin, mut dir) = ([[0.0; AT_ONCE]; 3], [[0.0; AT_ONCE]; 3]);
@@ -159,7 +163,9 @@ impl Rays {
             self.far_origin[k][c] = far_origin.store();
             self.farther[k][c] = (far_origin + (far_origin - origin[k])).store();
             self.inv[k][c] = inv[k].store();
+            self.dir[k][c] = dir[k].store();
         }
+        self.doubt[c] = doubts(extent, place.coarse).store();
         let negative = [bytes(dir[0].lt(zero)), bytes(dir[1].lt(zero)), bytes(dir[2].lt(zero))];
         self.negative[c] = (negative[0] | negative[1] << 1 | negative[2] << 2).to_le_bytes();
         for (rows, &signs) in self.rows[c * AT_ONCE..].iter_mut().zip(&self.negative[c]) {
@@ -230,6 +236,10 @@ impl Aim for One<'_> {
         [of(&self.rays.shear[0], self.i), of(&self.rays.shear[1], self.i)]
     }
     #[inline(always)]
+    fn doubt(self) -> f32 {
+        of(&self.rays.doubt, self.i)
+    }
+    #[inline(always)]
     fn near_origin(self) -> Vec3 {
         three(&self.rays.near_origin, self.i)
     }
@@ -270,6 +280,8 @@ impl Aim for One<'_> {
             turned: [self.turned(); _],
             inv_kz: self.inv_kz(),
             shear: self.shear(),
+            dir: three(&self.rays.dir, self.i),
+            doubt: self.doubt(),
             t_min: self.t_min(),
             t_max: of(&self.rays.t_max, self.i),
             unit: 1.0,
