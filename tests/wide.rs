@@ -1,6 +1,7 @@
 //! Eight-wide and four-wide hierarchies: what is particular to them.
 use crate::blobs::{Break, break_one_by_one, edit, entries, header};
 use crate::common::meshes::{icosphere, mixed};
+use crate::common::rays::Random;
 use crate::common::{bits, build};
 use flashray::blob::block::Block;
 use flashray::blob::{Blob, Buffer, Entry, Header, Rule, Section};
@@ -171,6 +172,38 @@ fn rays_that_start_about_a_plane_hit_what_the_list_hits() {
                         assert_eq!(scene.any_hit(&ray), truth.is_some(), "{isa:?}, {ray:?}");
                     }
                 }
+            }
+        }
+    }
+    assert!(hits > 500, "{hits} hits only");
+}
+
+/// Distances that underflow are 0, or `-0.0` behind the origin, and count.
+#[test]
+fn distances_that_underflow_are_those_of_the_list() {
+    let mut mesh = icosphere(2);
+    mesh.positions.iter_mut().flatten().for_each(|x| *x *= 1e-30);
+    let wide = Config::new(Kind::Wide);
+    let blobs = [Config::new(Kind::List), wide, wide.width(4)].map(|config| build(&mesh, &config));
+    let [list, wide, wide4] = blobs.each_ref().map(|blob| Scene::from_bytes(blob).expect("a good blob"));
+    let mut random = Random::new(7);
+    let mut number = |size: f32| (random.below(2001) as f32 / 1000.0 - 1.0) * size;
+    let mut hits = 0;
+    for size in [1.0, 1e5, 1e7, 1e15, 1e30, f32::MAX] {
+        // From outside too: what lies behind is at -0.0 then.
+        let rays: Vec<_> =
+            (0..256).map(|_| Ray::new([(); 3].map(|()| number(1.5e-30)), [(); 3].map(|()| number(size)))).collect();
+        let truth: Vec<_> = rays.iter().map(|ray| list.closest_hit(ray)).collect();
+        hits += truth.iter().flatten().count();
+        for (scene, isa) in Isa::all().flat_map(|isa| [(wide, isa), (wide4, isa)]) {
+            let scene = scene.with_isa(isa);
+            let (mut together, mut any) = (vec![None; rays.len()], vec![false; rays.len()]);
+            scene.closest_hits(&rays, &mut together);
+            scene.any_hits(&rays, &mut any);
+            for (((ray, truth), together), any) in rays.iter().zip(&truth).zip(together).zip(any) {
+                assert_eq!(bits(scene.closest_hit(ray)), bits(*truth), "{isa:?}, {ray:?}");
+                assert_eq!(bits(together), bits(*truth), "{isa:?}, many, {ray:?}");
+                assert_eq!((scene.any_hit(ray), any), (truth.is_some(), truth.is_some()), "{isa:?}, {ray:?}");
             }
         }
     }

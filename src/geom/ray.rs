@@ -91,6 +91,9 @@ pub(crate) const ORIGIN_PAD: f32 = 2.0 / 16_777_216.0;
 
 /// Directions of which no component reaches this are tiny.
 pub(crate) const SMALL: f32 = 1.0 / 1_267_650_600_228_229_401_496_703_205_376.0; // 2^-100
+/// Directions of which a component exceeds this are large: distances that count may underflow, to 0 or `-0.0`. The least pad
+/// is `2^-126`, and over this it is `2^-146`, of which three bits are left.
+pub(crate) const LARGE: f32 = 1_048_576.0; // 2^20
 /// What a tiny direction is multiplied by, so that its inverse does not overflow.
 const SCALE: f32 = 18_446_744_073_709_551_616.0; // 2^64
 

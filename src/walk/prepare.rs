@@ -5,7 +5,7 @@
 use super::lanes::{Four, Lanes};
 use crate::geom::Ray;
 use crate::geom::place::Place;
-use crate::geom::ray::{Axis, ORIGIN_PAD, PAD, Prepared, SMALL, doubt};
+use crate::geom::ray::{Axis, LARGE, ORIGIN_PAD, PAD, Prepared, SMALL, doubt};
 use crate::geom::vec::{Vec3, least, most};
 
 /// A ray as two rows and a bit more, made where the caller has its numbers at hand. A walk is called out of line, so its ray
@@ -54,7 +54,8 @@ pub struct Entered<L> {
     t_min: f32,
     t_max: f32,
     doubt: f32,
-    /// Whether no distance to a plane is NaN, and none that counts is negative; nor is the greatest 0, of whatever sign.
+    /// Whether no distance to a plane is NaN, and none that counts is negative or underflows; nor is the greatest 0, of whatever
+    /// sign.
     pub quick: bool,
 }
 
@@ -84,7 +85,7 @@ impl<L: Lanes<4>> Entered<L> {
         if large == 0 {
             return None;
         }
-        let quick = large == 7 && t_min >= 0.0 && t_max > 0.0;
+        let quick = large & dir.abs().le(L::splat(LARGE)) == 7 && t_min >= 0.0 && t_max > 0.0;
         let inv = L::splat(1.0) / dir;
         let (bounds, local) = (place.bounds, place.local);
         let origin = given - row(local, 0.0);

@@ -94,7 +94,7 @@ impl<const W: usize, L: Lanes<W>, const QUICK: bool> Slabs<W, L, QUICK> {
 }
 
 /// The padded origin of farther planes with twice the pad: a distance that would be `-0.0`, which the quick test takes for a
-/// negative one, is then positive. Boxes that are taken for that are no loss, and none is lost.
+/// negative one, is then positive, unless it [underflows](crate::geom::ray::LARGE). Boxes that are taken for that are no loss, and none is lost.
 #[inline(always)]
 fn farther(ray: &Prepared) -> [f32; 3] {
     let away = |k: usize| ray.far_origin[k] + (ray.far_origin[k] - ray.origin[k]);
