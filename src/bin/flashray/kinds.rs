@@ -7,6 +7,7 @@ use crate::soup::Soup;
 use crate::spd::{self, View};
 use crate::{Failure, mesh};
 use flashray::blob::prims::Primitive;
+use flashray::geom::place::longest_side;
 use flashray::{Aabb, Ray, Scene};
 use std::path::Path;
 
@@ -153,7 +154,7 @@ fn middle(bounds: &Aabb) -> Vec3 {
     [0, 1, 2].map(|k| bounds.min[k] / 2.0 + bounds.max[k] / 2.0)
 }
 
-/// The longest side.
+/// The longest side; of a point a little.
 fn size(bounds: &Aabb) -> f32 {
-    [0, 1, 2].map(|k| bounds.max[k] - bounds.min[k]).iter().fold(f32::MIN_POSITIVE, |a, &b| a.max(b))
+    longest_side(bounds).max(f32::MIN_POSITIVE)
 }
