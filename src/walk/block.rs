@@ -95,8 +95,8 @@ struct Sheared<L> {
 
 impl<L: Lanes<4>> Sheared<L> {
     #[inline(always)]
-    fn new(corner: &[[f32; 4]; 3], ray: impl Aim) -> Self {
-        let ([kx, ky, kz], turned, shear) = (ray.axes(), ray.turned(), ray.shear());
+    fn new(corner: &[[f32; 4]; 3], [kx, ky, kz]: [Axis; 3], ray: impl Aim) -> Self {
+        let (turned, shear) = (ray.turned(), ray.shear());
         let z = L::load(&corner[kz.at()]) - L::splat(turned[2]);
         let x = L::load(&corner[kx.at()]) - L::splat(turned[0]) - L::splat(shear[0]) * z;
         let y = L::load(&corner[ky.at()]) - L::splat(turned[1]) - L::splat(shear[1]) * z;
@@ -155,7 +155,9 @@ pub fn test<const ANY: bool, L: Lanes<4>>(
 #[inline(always)]
 fn one<const ANY: bool, L: Lanes<4>>(block: &Block, lanes: u32, ray: impl Aim, best: &mut Best) -> bool {
     let [a, b, c] = &block.corners;
-    let (a, b, c) = (Sheared::<L>::new(a, ray), Sheared::<L>::new(b, ray), Sheared::<L>::new(c, ray));
+    let axes = ray.axes();
+    let corner = |of| Sheared::<L>::new(of, axes, ray);
+    let (a, b, c) = (corner(a), corner(b), corner(c));
     let (pa, pb, pc) = (b.products(c), c.products(a), a.products(b));
     let (wa, wb, wc) = (pa.0 - pa.1, pb.0 - pb.1, pc.0 - pc.1);
     let (low, high) = (wa.least(wb).least(wc), wa.most(wb).most(wc));

@@ -192,12 +192,12 @@ fn walk_with<const W: usize, const ANY: bool, const QUICK: bool, L: Lanes<W>, L4
             let near = near.store();
             let second = lane::<W>(rest);
             let rest = rest & (rest - 1);
-            let (a, b) = if near[second] < near[first] { (second, first) } else { (first, second) };
+            let (a, b) = if is_nearer::<QUICK>(near[second], near[first]) { (second, first) } else { (first, second) };
             stack.push((node.child[b], near[b]))?;
             at = node.child[a];
             if rest != 0 {
                 stack.push((at, near[a]))?;
-                at = nearest(node, &near, rest, &mut stack)?;
+                at = nearest::<W, QUICK>(node, &near, rest, &mut stack)?;
             }
         };
         if leaf.len() > 0 {
@@ -216,12 +216,19 @@ fn walk_with<const W: usize, const ANY: bool, const QUICK: bool, L: Lanes<W>, L4
         // Go on with the latest waiting child that is not beyond the best hit.
         at = loop {
             match stack.pop() {
-                Some((child, near)) if near <= t_max => break child,
+                Some((child, near)) if !is_nearer::<QUICK>(t_max, near) => break child,
                 Some(_) => {}
                 None => return Ok(false),
             }
         };
     }
+}
+
+/// Whether a distance is less than another, neither of which is NaN; as whole numbers where neither is negative, which is
+/// sooner known. `-0.0` is then less than `0.0`, and minus infinity than both.
+#[inline(always)]
+pub(super) const fn is_nearer<const QUICK: bool>(a: f32, b: f32) -> bool {
+    if QUICK { a.to_bits().cast_signed() < b.to_bits().cast_signed() } else { a < b }
 }
 
 /// The lowest lane of those whose bits are on.
@@ -245,7 +252,12 @@ fn others<const W: usize>(node: &Node<W>, mut met: u32, stack: &mut Stack) -> Re
 
 /// Puts the children of lanes `rest` among the two on top of the stack, the nearest above the others, and takes that.
 #[inline(always)]
-fn nearest<const W: usize>(node: &Node<W>, near: &[f32; W], mut rest: u32, stack: &mut Stack) -> Result<Child, Stop> {
+fn nearest<const W: usize, const QUICK: bool>(
+    node: &Node<W>,
+    near: &[f32; W],
+    mut rest: u32,
+    stack: &mut Stack,
+) -> Result<Child, Stop> {
     let mut sorted = 2usize;
     while rest != 0 {
         let lane = lane::<W>(rest);
@@ -254,7 +266,7 @@ fn nearest<const W: usize>(node: &Node<W>, near: &[f32; W], mut rest: u32, stack
         let mut place = stack.len.wrapping_sub(1);
         for _ in 0..sorted {
             match stack.top.get_mut(place.wrapping_sub(1)..=place) {
-                Some([below, above]) if below.1 < above.1 => core::mem::swap(below, above),
+                Some([below, above]) if is_nearer::<QUICK>(below.1, above.1) => core::mem::swap(below, above),
                 _ => break,
             }
             place = place.wrapping_sub(1);

@@ -69,6 +69,19 @@ const ROWS: [Rows; 8] = {
     all
 };
 
+/// `kx`, `ky` and `kz` for each number of `kz`.
+static AXES: [[Axis; 3]; 4] = {
+    let mut all = [[Axis::X; 3]; 4];
+    let mut i = 0;
+    while i < 4 {
+        let kz = Axis::ALL[if i < 3 { i } else { 2 }];
+        let (kx, ky) = kz.others();
+        all[i] = [kx, ky, kz];
+        i += 1;
+    }
+    all
+};
+
 /// Bits as bytes of 0 and 1, the lowest first.
 #[inline(always)]
 fn bytes(bits: u32) -> u64 {
@@ -223,9 +236,7 @@ pub(super) struct One<'c> {
 impl Aim for One<'_> {
     #[inline(always)]
     fn axes(self) -> [Axis; 3] {
-        let kz = [Axis::X, Axis::Y, Axis::Z, Axis::Z][usize::from(self.rays.kz.as_flattened()[self.i % RAYS]) % 4];
-        let (kx, ky) = kz.others();
-        [kx, ky, kz]
+        AXES[usize::from(self.rays.kz.as_flattened()[self.i % RAYS]) % 4]
     }
     #[inline(always)]
     fn turned(self) -> Vec3 {

@@ -13,12 +13,13 @@ mod crowd;
 
 use super::many::{Answer, Many, Purse};
 use super::slabs::Slabs;
-use super::walk::{Waiting, lane};
+use super::walk::{Waiting, is_nearer, lane};
 use super::{In, Node, Wide};
 use crate::blob::block::Block;
 use crate::bvh::Child;
 use crate::bvh::tree::root;
 use crate::geom::Ray;
+use crate::geom::vec::most;
 use crate::num::{byte, count, index};
 use crate::walk::lanes::{Lanes, Work};
 use crate::walk::{Best, Meter, Stop, block};
@@ -218,10 +219,11 @@ impl Crowd {
             // With `ANY` distances are not asked for again.
             let near = if ANY { [0.0; W] } else { near.store() };
             let two = rest != 0;
-            let swap = !ANY & two & (near[second] < near[first]);
+            let swap = !ANY & two & is_nearer::<true>(near[second], near[first]);
             let (a, b) = select_unpredictable(swap, (second, first), (first, second));
             let below = stack[len % DEPTH].0;
-            stack[len.wrapping_add(1) % DEPTH] = (node.child[b], near[b]);
+            // The greater is the other's distance: sooner known than the other is.
+            stack[len.wrapping_add(1) % DEPTH] = (node.child[b], most(near[first], near[second]));
             next = select_unpredictable(met == 0, below, node.child[a]);
             let less = (met == 0) & (len != 0);
             self.len[i] = self.len[i].wrapping_add(usize::from(two)).wrapping_sub(usize::from(less));
@@ -291,7 +293,7 @@ fn many<const ANY: bool, const W: usize, L: Lanes<W>>(
         let mut place = top.wrapping_add(1);
         top = place;
         let own = near[lane];
-        while !ANY && place > len.wrapping_add(1) && stack[place.wrapping_sub(1) % DEPTH].1 < own {
+        while !ANY && place > len.wrapping_add(1) && is_nearer::<true>(stack[place.wrapping_sub(1) % DEPTH].1, own) {
             stack[place % DEPTH] = stack[place.wrapping_sub(1) % DEPTH];
             place = place.wrapping_sub(1);
         }

@@ -32,7 +32,7 @@ pub struct Hit {
 #[derive(Clone, Copy)]
 enum Mode {
     Single,
-    /// In groups of 64.
+    /// Many a call.
     Group,
 }
 
@@ -75,12 +75,12 @@ fn bvh() -> Config {
 
 const ROWS: [Row; 7] = [
     row("flashray-wide", "wide", wide, Mode::Single).info("eight-wide, f32 boxes, 4-wide watertight triangles"),
-    row("flashray-wide-group", "wide", wide, Mode::Group).info("the same, closest_hits and any_hits of 64 rays"),
+    row("flashray-wide-group", "wide", wide, Mode::Group).info("the same, closest_hits and any_hits of 1024 rays"),
     row("flashray-wide-avx2", "wide", wide, Mode::Single).lanes("avx2", true).info("1 ray x 8 boxes"),
     row("flashray-wide-sse2", "wide", wide, Mode::Single).lanes("sse2", false).info("1 ray x 2 x 4 boxes"),
     row("flashray-wide-scalar", "wide", wide, Mode::Single).lanes("scalar", false).info("box by box"),
     row("flashray-bvh", "bvh", bvh, Mode::Single).info("binary, 64-byte pair nodes, scalar"),
-    row("flashray-bvh-group", "bvh", bvh, Mode::Group).info("the same, closest_hits and any_hits of 64 rays"),
+    row("flashray-bvh-group", "bvh", bvh, Mode::Group).info("the same, closest_hits and any_hits of 1024 rays"),
 ];
 
 /// A scene and the blob it lies in.
@@ -176,8 +176,8 @@ pub unsafe extern "C" fn flashray_closest(
     match mode {
         Mode::Single => rays.iter().zip(hits).for_each(|(ray, hit)| *hit = told(scene.closest_hit(&asked(ray)))),
         Mode::Group => {
-            let (mut questions, mut answers) = ([asked(&NONE); GROUP], [None; GROUP]);
-            for (rays, hits) in rays.chunks(GROUP).zip(hits.chunks_mut(GROUP)) {
+            let (mut questions, mut answers) = ([asked(&NONE); CALL], [None; CALL]);
+            for (rays, hits) in rays.chunks(CALL).zip(hits.chunks_mut(CALL)) {
                 questions.iter_mut().zip(rays).for_each(|(question, ray)| *question = asked(ray));
                 scene.closest_hits(&questions[..rays.len()], &mut answers);
                 hits.iter_mut().zip(&answers).for_each(|(hit, answer)| *hit = told(*answer));
@@ -205,8 +205,8 @@ pub unsafe extern "C" fn flashray_any(
     match mode {
         Mode::Single => rays.iter().zip(found).for_each(|(ray, found)| *found = scene.any_hit(&asked(ray))),
         Mode::Group => {
-            let mut questions = [asked(&NONE); GROUP];
-            for (rays, found) in rays.chunks(GROUP).zip(found.chunks_mut(GROUP)) {
+            let mut questions = [asked(&NONE); CALL];
+            for (rays, found) in rays.chunks(CALL).zip(found.chunks_mut(CALL)) {
                 questions.iter_mut().zip(rays).for_each(|(question, ray)| *question = asked(ray));
                 scene.any_hits(&questions[..rays.len()], found);
             }
@@ -214,8 +214,8 @@ pub unsafe extern "C" fn flashray_any(
     }
 }
 
-/// Rays of a group.
-const GROUP: usize = 64;
+/// Rays of a call, which makes groups of them as it likes: as many as a square of 32 by 32 pixels.
+const CALL: usize = 1024;
 /// A ray to fill places with.
 const NONE: Ray = Ray { o: [0.0; 3], tmax: 0.0, d: [0.0; 3], pad: 0 };
 
