@@ -3,10 +3,12 @@
 //! On each lane the steps are those of [`Triangle::crossing`](crate::geom::Triangle::crossing), in the same order, so the answers
 //! have the same bits. A lane for which `f32` is not enough goes to the one-triangle test.
 use super::lanes::{self, Lanes};
+use super::prepare::Given;
 use super::{Best, Meter, Stop};
 use crate::blob::block::Block;
 use crate::geom::Triangle;
 use crate::geom::hit::Crossing;
+use crate::geom::place::Place;
 use crate::geom::ray::{Axis, Prepared, blur};
 use crate::geom::triangle::{LEAST_DET, MOST_CANCELLED, MOST_DET};
 use crate::geom::vec::Vec3;
@@ -32,13 +34,44 @@ pub trait Aim: Copy {
     fn inv_kz(self) -> f32;
     /// `t_min` of [`Prepared`].
     fn t_min(self) -> f32;
-    /// All of it.
-    fn prepared(self) -> Prepared;
+    /// Where all of it comes from.
+    type Source: Source;
+    /// Where all of it comes from. Seldom needed, and much of it for nothing else.
+    fn source(self) -> Self::Source;
     /// The one-triangle test.
     fn meets(self, triangle: &Triangle, t_max: f32) -> Option<Crossing>;
 }
 
+/// What makes a ray whole again, out of line: what of a ray only that needs takes no registers in the meantime.
+pub trait Source: Copy {
+    /// The ray; always the same.
+    fn prepared(self) -> Option<Prepared>;
+}
+
+impl Source for Prepared {
+    #[inline(always)]
+    fn prepared(self) -> Option<Prepared> {
+        Some(self)
+    }
+}
+
+/// A ray by itself, and what it was prepared from.
+#[derive(Clone, Copy)]
+pub(crate) struct Single<'r> {
+    pub ray: &'r Prepared,
+    pub given: &'r Given,
+    pub place: &'r Place<'r>,
+}
+
+impl Source for (&Given, &Place<'_>) {
+    #[inline(always)]
+    fn prepared(self) -> Option<Prepared> {
+        Prepared::new(&self.0.ray(), self.1)
+    }
+}
+
 impl Aim for &Prepared {
+    type Source = Prepared;
     #[inline(always)]
     fn axes(self) -> [Axis; 3] {
         [self.kx, self.ky, self.kz]
@@ -76,12 +109,60 @@ impl Aim for &Prepared {
         self.t_min
     }
     #[inline(always)]
-    fn prepared(self) -> Prepared {
+    fn source(self) -> Prepared {
         *self
     }
     #[inline(always)]
     fn meets(self, triangle: &Triangle, t_max: f32) -> Option<Crossing> {
         triangle.crossing(self, t_max)
+    }
+}
+
+impl<'r> Aim for Single<'r> {
+    type Source = (&'r Given, &'r Place<'r>);
+    #[inline(always)]
+    fn axes(self) -> [Axis; 3] {
+        self.ray.axes()
+    }
+    #[inline(always)]
+    fn turned(self) -> Vec3 {
+        self.ray.turned()
+    }
+    #[inline(always)]
+    fn shear(self) -> [f32; 2] {
+        self.ray.shear
+    }
+    #[inline(always)]
+    fn doubt(self) -> f32 {
+        self.ray.doubt
+    }
+    #[inline(always)]
+    fn near_origin(self) -> Vec3 {
+        self.ray.near_origin
+    }
+    #[inline(always)]
+    fn far_origin(self) -> Vec3 {
+        self.ray.far_origin
+    }
+    #[inline(always)]
+    fn inv(self) -> Vec3 {
+        self.ray.inv
+    }
+    #[inline(always)]
+    fn inv_kz(self) -> f32 {
+        self.ray.inv_kz
+    }
+    #[inline(always)]
+    fn t_min(self) -> f32 {
+        self.ray.t_min
+    }
+    #[inline(always)]
+    fn source(self) -> Self::Source {
+        (self.given, self.place)
+    }
+    #[inline(always)]
+    fn meets(self, triangle: &Triangle, t_max: f32) -> Option<Crossing> {
+        triangle.crossing(self.ray, t_max)
     }
 }
 
@@ -185,7 +266,7 @@ fn one<const ANY: bool, L: Lanes<4>>(block: &Block, lanes: u32, ray: impl Aim, b
     let mut odd = maybe & !clear;
     while odd != 0 {
         // By value both ways: a ray and a best hit that nobody points to can stay in registers.
-        let (hit, after) = again(block, index(odd.trailing_zeros()), ray.prepared(), *best);
+        let (hit, after) = again(block, index(odd.trailing_zeros()), ray.source(), *best);
         found |= hit;
         *best = after;
         odd &= odd - 1;
@@ -259,8 +340,8 @@ fn slab<L: Lanes<4>>(block: &Block, ray: impl Aim) -> (L, L) {
 /// The rest of the one-triangle test of a lane. Returns whether it hit, and the best hit then.
 #[cold]
 #[inline(never)]
-fn again(block: &Block, lane: usize, ray: Prepared, mut best: Best) -> (bool, Best) {
-    let crossing = block.triangle(lane).crossing_closely(&ray, best.t);
+fn again(block: &Block, lane: usize, ray: impl Source, mut best: Best) -> (bool, Best) {
+    let crossing = ray.prepared().and_then(|ray| block.triangle(lane).crossing_closely(&ray, best.t));
     if let Some(crossing) = crossing {
         best.offer(crossing, block.ids[lane % 4]);
     }

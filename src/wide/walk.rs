@@ -14,6 +14,7 @@ use crate::geom::{Aabb, Hit};
 use crate::num::index;
 use crate::walk::lanes::{Lanes, Row, Work};
 use crate::walk::prepare::{Entered, Given, prepare};
+use crate::walk::block::Aim;
 use crate::walk::{Best, Meter, Stop, block, test};
 
 /// A query, to be compiled for each instruction set.
@@ -42,10 +43,33 @@ where
         if !entered.quick {
             return L8::call(Slow(self));
         }
+        if self.prims.blocks.is_empty() {
+            return L8::call(Mixed(self));
+        }
         let ray = entered.prepared();
-        let (mut best, mut meter) = (Best::new(ray.t_max), self.meter);
-        let root = root(self.view.nodes, self.prims.len);
-        walk_with::<W, ANY, true, In<W, L8, L4>, L4>(self.view, self.prims, root, &ray, &mut best, &mut meter)?;
+        let Self { view, prims, ray: ref given, place, mut meter } = self;
+        let mut best = Best::new(ray.t_max);
+        let rays = (&ray, block::Single { ray: &ray, given, place });
+        walk_with::<W, ANY, true, false, In<W, L8, L4>, L4>(view, prims, rays, &mut best, &mut meter)?;
+        Ok(best.hit())
+    }
+}
+
+/// A query of a scene in which not all are triangles: its tests point to the ray, so much of that is kept at hand.
+struct Mixed<'q, 'a, M, const ANY: bool, const W: usize>(Query<'q, 'a, M, ANY, W>);
+
+impl<M: Meter, const ANY: bool, const W: usize> Work for Mixed<'_, '_, M, ANY, W>
+where
+    Node<W>: Wide<W>,
+{
+    type Output = Result<Option<Hit>, Stop>;
+
+    #[inline(always)]
+    fn run<L8: Lanes<8>, L4: Lanes<4>>(self) -> Self::Output {
+        let Query { view, prims, ray, place, mut meter } = self.0;
+        let Some(ray) = prepare::<L4>(&ray, place) else { return Ok(None) };
+        let mut best = Best::new(ray.t_max);
+        walk_with::<W, ANY, true, true, In<W, L8, L4>, L4>(view, prims, (&ray, &ray), &mut best, &mut meter)?;
         Ok(best.hit())
     }
 }
@@ -64,8 +88,7 @@ where
         let Query { view, prims, ray, place, mut meter } = self.0;
         let Some(ray) = prepare::<L4>(&ray, place) else { return Ok(None) };
         let mut best = Best::new(ray.t_max);
-        let root = root(view.nodes, prims.len);
-        walk_with::<W, ANY, false, In<W, L8, L4>, L4>(view, prims, root, &ray, &mut best, &mut meter)?;
+        walk_with::<W, ANY, false, true, In<W, L8, L4>, L4>(view, prims, (&ray, &ray), &mut best, &mut meter)?;
         Ok(best.hit().map(|hit| Hit { t: hit.t * ray.unit, ..hit }))
     }
 }
@@ -87,7 +110,7 @@ impl<const W: usize> View<'_, W> {
         best: &mut Best,
         meter: &mut impl Meter,
     ) -> Result<bool, Stop> {
-        walk_with::<W, ANY, false, Row<W>, Row<4>>(self, prims, root(self.nodes, prims.len), ray, best, meter)
+        walk_with::<W, ANY, false, true, Row<W>, Row<4>>(self, prims, (ray, ray), best, meter)
     }
 }
 
@@ -100,23 +123,24 @@ type Rest = heapless::Vec<Waiting, { index(STACK) - TOP }>;
 const TOP: usize = 24;
 
 /// Children that wait, the nearest last.
-struct Stack {
+struct Stack<'r> {
     top: [Waiting; TOP],
     len: usize,
-    rest: Rest,
+    /// Elsewhere: what is pointed to takes all that it is part of along, and the length is to be in a register.
+    rest: &'r mut Rest,
 }
 
-impl Stack {
+impl<'r> Stack<'r> {
     #[inline(always)]
-    const fn new() -> Self {
-        Self { top: [(Child::NONE, 0.0); TOP], len: 0, rest: heapless::Vec::new() }
+    const fn new(rest: &'r mut Rest) -> Self {
+        Self { top: [(Child::NONE, 0.0); TOP], len: 0, rest }
     }
 
     #[inline(always)]
     fn push(&mut self, entry: Waiting) -> Result<(), Stop> {
         match self.top.get_mut(self.len) {
             Some(place) => *place = entry,
-            None => push(&mut self.rest, entry)?,
+            None => push(self.rest, entry)?,
         }
         self.len = self.len.wrapping_add(1);
         Ok(())
@@ -127,7 +151,7 @@ impl Stack {
         self.len = self.len.checked_sub(1)?;
         match self.top.get(self.len) {
             Some(&entry) => Some(entry),
-            None => pop(&mut self.rest),
+            None => pop(self.rest),
         }
     }
 }
@@ -145,23 +169,23 @@ fn pop(rest: &mut Rest) -> Option<Waiting> {
     rest.pop()
 }
 
-/// Finds the closest hit below `from`, or with `ANY` whether there is one; with the quick box test if that is asked for.
-/// Returns whether the walk ended at a hit.
+/// Finds the closest hit, or with `ANY` whether there is one; with the quick box test if that is asked for, and only in blocks
+/// unless `MIXED`. Takes the ray as the box tests, and as those of blocks read it. Returns whether the walk ended at a hit.
 ///
 /// # Errors
 /// [`Stop`] if the meter runs out or the bytes contradict themselves.
 #[inline(always)]
-fn walk_with<const W: usize, const ANY: bool, const QUICK: bool, L: Lanes<W>, L4: Lanes<4>>(
+fn walk_with<const W: usize, const ANY: bool, const QUICK: bool, const MIXED: bool, L: Lanes<W>, L4: Lanes<4>>(
     view: &View<'_, W>,
     prims: &Prims<'_>,
-    from: Child,
-    ray: &Prepared,
+    (ray, aim): (&Prepared, impl Aim),
     best: &mut Best,
     meter: &mut impl Meter,
 ) -> Result<bool, Stop> {
     let slabs = Slabs::<W, L, QUICK>::new(ray);
-    let mut stack = Stack::new();
-    let mut at = from;
+    let mut rest = Rest::new();
+    let mut stack = Stack::new(&mut rest);
+    let mut at = root(view.nodes, prims.len);
     let mut t_max = best.t;
     loop {
         // Descend, nearest child first, to a leaf or to where all children are missed.
@@ -201,12 +225,12 @@ fn walk_with<const W: usize, const ANY: bool, const QUICK: bool, L: Lanes<W>, L4
             }
         };
         if leaf.len() > 0 {
-            let over = if prims.blocks.is_empty() {
+            let over = if MIXED && prims.blocks.is_empty() {
                 // A copy, because that test points to its ray where f32 is not enough: what nobody points to stays in registers.
                 let ray = *ray;
                 test::<ANY>(prims, (slots(prims, leaf).0, leaf.len()), &ray, best, meter)?
             } else {
-                block::test::<ANY, L4>(prims.blocks, (leaf.number(), leaf.len()), ray, best, meter)?
+                block::test::<ANY, L4>(prims.blocks, (leaf.number(), leaf.len()), aim, best, meter)?
             };
             if over {
                 return Ok(true);
@@ -239,7 +263,7 @@ pub(super) const fn lane<const W: usize>(met: u32) -> usize {
 
 /// Puts all children but that of the lowest lane on the stack, and takes that.
 #[inline(always)]
-fn others<const W: usize>(node: &Node<W>, mut met: u32, stack: &mut Stack) -> Result<Child, Stop> {
+fn others<const W: usize>(node: &Node<W>, mut met: u32, stack: &mut Stack<'_>) -> Result<Child, Stop> {
     loop {
         let high = index(31u32.wrapping_sub(met.leading_zeros())) % W;
         met &= !(1 << high);
@@ -256,7 +280,7 @@ fn nearest<const W: usize, const QUICK: bool>(
     node: &Node<W>,
     near: &[f32; W],
     mut rest: u32,
-    stack: &mut Stack,
+    stack: &mut Stack<'_>,
 ) -> Result<Child, Stop> {
     let mut sorted = 2usize;
     while rest != 0 {

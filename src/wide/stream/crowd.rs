@@ -10,7 +10,7 @@ use crate::geom::ray::{Axis, LARGE, ORIGIN_PAD, PAD, Prepared, SMALL, doubts};
 use crate::geom::vec::Vec3;
 use crate::geom::{Aabb, Ray, Triangle};
 use crate::walk::Best;
-use crate::walk::block::Aim;
+use crate::walk::block::{Aim, Source};
 use crate::walk::lanes::Lanes;
 use crate::wide::slabs::Slab;
 
@@ -234,6 +234,7 @@ pub(super) struct One<'c> {
 }
 
 impl Aim for One<'_> {
+    type Source = Self;
     #[inline(always)]
     fn axes(self) -> [Axis; 3] {
         AXES[usize::from(self.rays.kz.as_flattened()[self.i % RAYS]) % 4]
@@ -271,13 +272,26 @@ impl Aim for One<'_> {
         of(&self.rays.t_min, self.i)
     }
     #[inline(always)]
-    fn meets(self, triangle: &Triangle, t_max: f32) -> Option<Crossing> {
-        triangle.crossing(&self.prepared(), t_max)
+    fn source(self) -> Self {
+        self
     }
-    // Seldom needed, and much of it for nothing else.
+    #[inline(always)]
+    fn meets(self, triangle: &Triangle, t_max: f32) -> Option<Crossing> {
+        triangle.crossing(&self.whole(), t_max)
+    }
+}
+
+impl Source for One<'_> {
+    #[inline(always)]
+    fn prepared(self) -> Option<Prepared> {
+        Some(self.whole())
+    }
+}
+
+impl One<'_> {
     #[cold]
     #[inline(never)]
-    fn prepared(self) -> Prepared {
+    fn whole(self) -> Prepared {
         let [kx, ky, kz] = self.axes();
         Prepared {
             origin: three(&self.rays.origin, self.i),
