@@ -4,6 +4,7 @@
 //! every index goes through `get`, every push can be refused, and every step is paid from a [`Meter`]. Where one of
 //! these fails the walk says [`Stop`].
 
+pub(crate) mod aim;
 pub mod block;
 pub mod dda;
 pub(crate) mod group;

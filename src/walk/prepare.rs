@@ -28,6 +28,16 @@ impl Given {
         Self { origin: row(ray.origin, ray.dir[0]), dir: row(ray.dir, ray.t_min), t_max: ray.t_max }
     }
 
+    /// Whether no distance to a plane is NaN, and none that counts is negative or underflows; nor is the greatest 0, of whatever
+    /// sign. What makes no sense is not quick.
+    #[inline(always)]
+    pub fn is_quick(&self) -> bool {
+        let splat = <Four as Lanes<4>>::splat;
+        let ([.., t_min], size) = (self.dir.store(), self.dir.abs());
+        let fine = self.origin.abs().lt(splat(f32::INFINITY)) & splat(SMALL).le(size) & size.le(splat(LARGE));
+        fine & 7 == 7 && t_min >= 0.0 && self.t_max > 0.0 && t_min <= self.t_max
+    }
+
     /// Whether the direction is one of those that [`Entered::new`] leaves to [`Prepared::new`].
     #[inline(always)]
     pub fn is_tiny(&self) -> bool {
@@ -54,9 +64,6 @@ pub struct Entered<L> {
     t_min: f32,
     t_max: f32,
     doubt: f32,
-    /// Whether no distance to a plane is NaN, and none that counts is negative or underflows; nor is the greatest 0, of whatever
-    /// sign.
-    pub quick: bool,
 }
 
 /// The same as [`Prepared::new`], but also `None` for a ray that misses the scene's box.
@@ -73,19 +80,22 @@ impl<L: Lanes<4>> Entered<L> {
     /// `None` for a ray that makes no sense, that misses the scene's box, or that [is tiny](Given::is_tiny).
     #[inline(always)]
     pub fn new(ray: &Given, place: &Place<'_>) -> Option<Self> {
+        let ([.., t_min], infinite) = (ray.dir.store(), L::splat(f32::INFINITY));
+        let (origin, dir) = (L::load(&ray.origin.store()).abs(), L::load(&ray.dir.store()).abs());
+        let finite = origin.lt(infinite) & dir.lt(infinite) & 7 == 7;
+        if !finite || !(t_min <= ray.t_max) || ray.is_tiny() {
+            return None;
+        }
+        Self::fine(ray, place)
+    }
+
+    /// The same of a ray that [is quick](Given::is_quick), or is known to make sense and not to be tiny.
+    #[inline(always)]
+    pub fn fine(ray: &Given, place: &Place<'_>) -> Option<Self> {
         // The fourth number of a row is whatever lies there: one load takes four.
         let row = |[x, y, z]: Vec3, next: f32| L::load(&[x, y, z, next]);
         let ([.., t_min], t_max) = (ray.dir.store(), ray.t_max);
         let (given, dir) = (L::load(&ray.origin.store()), L::load(&ray.dir.store()) + L::splat(0.0));
-        let infinite = L::splat(f32::INFINITY);
-        if given.abs().lt(infinite) & dir.abs().lt(infinite) & 7 != 7 || !(t_min <= t_max) {
-            return None;
-        }
-        let large = L::splat(SMALL).le(dir.abs()) & 7;
-        if large == 0 {
-            return None;
-        }
-        let quick = large & dir.abs().le(L::splat(LARGE)) == 7 && t_min >= 0.0 && t_max > 0.0;
         let inv = L::splat(1.0) / dir;
         let (bounds, local) = (place.bounds, place.local);
         let origin = given - row(local, 0.0);
@@ -103,7 +113,7 @@ impl<L: Lanes<4>> Entered<L> {
         let near = most(nz, most(ny, most(nx, t_min)));
         let far = least(fz, least(fy, least(fx, t_max)));
         let doubt = doubt(extent, place.coarse);
-        (near <= far).then_some(Self { dir, inv, origin, near_origin, far_origin, t_min, t_max, doubt, quick })
+        (near <= far).then_some(Self { dir, inv, origin, near_origin, far_origin, t_min, t_max, doubt })
     }
 
     /// The ray prepared.

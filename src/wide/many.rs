@@ -11,21 +11,52 @@ use crate::num::count;
 use crate::walk::heading::{Heading, PacketSize};
 use crate::walk::lanes::{Lanes, Work};
 use crate::walk::prepare::Given;
-use crate::walk::{Fuel, Isa, Meter, Tally};
+use crate::walk::{Fuel, Isa, Meter, Stop, Tally};
 
 /// Of eight rays so many must have one heading.
 const MOST: usize = 6;
 /// So many rays make a stream.
 const STREAM: u32 = 8;
-/// The longest spell without a try of groups, and that without a stream where one did not pay; in groups.
+/// The longest spell without a try of groups, in groups.
 const SPELL: u32 = 16;
+/// So many steps, at nodes and triangles, rays must go for a stream to be faster than rays alone.
+const PAYS: u32 = 7;
 /// From a ray to one an eighth of the group on, so many steps of seven may be far.
 const FAR_STEPS: usize = 1;
 /// A step in place is far from this share of the scene on, and one in direction from this share of its largest part.
 const FAR: f32 = 0.04;
 
 /// Bytes of stack that a call for many rays takes at most beyond those of a query: a stream's and a group's.
-pub const SCRATCH: usize = size_of::<Crowd>() + size_of::<Team>();
+pub const SCRATCH: usize = size_of::<Option<Crowd>>() + size_of::<Team>();
+
+/// How far rays went that met the scene's box.
+#[derive(Clone, Copy, Default)]
+pub(super) struct Reach {
+    /// Nodes visited and triangles tested.
+    pub spent: u32,
+    pub rays: u32,
+}
+
+impl Reach {
+    #[inline(always)]
+    const fn add(&mut self, other: Self) {
+        self.spent = self.spent.saturating_add(other.spent);
+        self.rays = self.rays.saturating_add(other.rays);
+    }
+
+    /// Whether such rays are faster as a stream.
+    #[inline(always)]
+    const fn is_far(self) -> bool {
+        self.rays > 0 && self.spent / self.rays >= PAYS
+    }
+}
+
+/// The lowest `n` bits of those that are on.
+#[inline(always)]
+fn lowest(bits: u64, n: u32) -> u64 {
+    let above = (0..n).fold(bits, |rest, _| rest & rest.wrapping_sub(1));
+    bits & !above
+}
 
 /// What is given for a ray.
 pub(crate) trait Answer {
@@ -81,8 +112,7 @@ impl Purse for Tally {
     }
 }
 
-/// A query whose answer goes to its place within the walk: handed back it would be moved as a whole right after it was
-/// written number by number, and waited for.
+/// A query whose answer goes to its place within the walk.
 struct Placed<'r, 'q, 'a, A, M, const ANY: bool, const W: usize> {
     query: Query<'q, 'a, M, ANY, W>,
     answer: &'r mut A,
@@ -92,11 +122,11 @@ impl<A: Answer, M: Meter, const ANY: bool, const W: usize> Work for Placed<'_, '
 where
     Node<W>: Wide<W>,
 {
-    type Output = ();
+    type Output = Result<u32, Stop>;
 
     #[inline(always)]
-    fn run<L8: Lanes<8>, L4: Lanes<4>>(self) {
-        *self.answer = A::new(self.query.run::<L8, L4>().unwrap_or(None));
+    fn run<L8: Lanes<8>, L4: Lanes<4>>(self) -> Self::Output {
+        self.query.put::<A, L8, L4>(self.answer)
     }
 }
 
@@ -116,14 +146,36 @@ where
 {
     /// Answers in groups or streams or ray by ray, as it suits the rays. `answers` are as many as `rays`.
     // Each form is compiled by itself: in one function with groups, rays alone were 8 % slower.
+    #[allow(clippy::unnecessary_lazy_evaluations)] // a crowd is some 25 KiB, to be made once
     pub(crate) fn groups<A: Answer, P: Purse, const ANY: bool>(self, rays: &[Ray], answers: &mut [A], purse: &mut P) {
-        let mut chunks = rays.chunks(RAYS).zip(answers.chunks_mut(RAYS));
-        while let Some((rays, answers)) = chunks.next() {
-            let left = self.group::<A, P, ANY>(rays, answers, purse);
-            if left.count_ones() >= STREAM && !self.prims.blocks.is_empty() {
-                return self.streams::<A, P, ANY>((left, rays, answers), chunks, purse);
+        // A stream's scratch, which a call without streams need not set to nothing.
+        let (mut crowd, mut reach) = (None, Reach::default());
+        let (mut pause, mut spell) = (0u32, 1u32);
+        for (rays, answers) in rays.chunks(RAYS).zip(answers.chunks_mut(RAYS)) {
+            let mut left = u64::MAX >> (RAYS - rays.len().clamp(1, RAYS));
+            // Where a group was of no use the next are not tried for a spell, each four times as long as that before.
+            pause = pause.saturating_sub(1);
+            if pause == 0 {
+                left = self.group::<A, P, ANY>(rays, answers, purse);
+                spell = if left.count_ones() * 2 > count(rays.len()) { (spell * 4).min(SPELL) } else { 1 };
+                pause = spell;
             }
-            self.alone::<A, P, ANY>(left, rays, answers, purse);
+            if left.count_ones() >= STREAM && !self.prims.blocks.is_empty() {
+                // What went before counts half as much.
+                reach = Reach { spent: reach.spent / 2, rays: reach.rays / 2 };
+                if !reach.is_far() {
+                    let few = lowest(left, STREAM);
+                    reach.add(self.alone::<A, P, ANY>(few, rays, answers, purse));
+                    left &= !few;
+                }
+                if reach.is_far() {
+                    let crowd = crowd.get_or_insert_with(|| Crowd::EMPTY);
+                    let (many, which) = (self, left);
+                    left = self.isa.run(Stream::<_, _, ANY, W> { many, rays, answers, which, crowd, purse });
+                    reach.add(crowd.reach);
+                }
+            }
+            reach.add(self.alone::<A, P, ANY>(left, rays, answers, purse));
         }
     }
 
@@ -138,49 +190,6 @@ where
         }
     }
 
-    /// Answers all that is left of a call, some of which is not fit for groups. It has a stream's scratch, which a call
-    /// of groups alone need not set to nothing.
-    #[inline(never)]
-    fn streams<'r, A: Answer + 'r, P: Purse, const ANY: bool>(
-        self,
-        first: (u64, &'r [Ray], &'r mut [A]),
-        rest: impl Iterator<Item = (&'r [Ray], &'r mut [A])>,
-        purse: &mut P,
-    ) {
-        let mut crowd = Crowd::EMPTY;
-        // The first has been tried.
-        let (mut pause, mut spell, mut alone) = (2u32, 1, 0u32);
-        let first = core::iter::once(first);
-        // Where a group was of no use the next are not tried for a spell, each twice as long as that before.
-        let rest = rest.map(|(rays, answers)| (u64::MAX, rays, answers));
-        for (mut left, rays, answers) in first.chain(rest) {
-            let all = u64::MAX >> (RAYS - rays.len().clamp(1, RAYS));
-            left &= all;
-            if left == all {
-                pause = pause.saturating_sub(1);
-                if pause == 0 {
-                    left = self.group::<A, P, ANY>(rays, answers, purse);
-                    spell = if left.count_ones() * 2 > count(rays.len()) { (spell * 2).min(SPELL) } else { 1 };
-                    pause = spell;
-                }
-            }
-            if alone > 0 {
-                alone -= 1;
-            } else if left.count_ones() >= STREAM {
-                left = self.isa.run(Stream::<_, _, ANY, W> {
-                    many: self,
-                    rays,
-                    answers,
-                    which: left,
-                    crowd: &mut crowd,
-                    purse,
-                });
-                alone = if crowd.paid() { 0 } else { SPELL };
-            }
-            self.alone::<A, P, ANY>(left, rays, answers, purse);
-        }
-    }
-
     /// Answers in packets of a given size, ray by ray where headings differ. `answers` are as many as `rays`.
     pub(crate) fn packets<A: Answer, const ANY: bool>(self, of: PacketSize, rays: &[Ray], answers: &mut [A]) {
         for (rays, answers) in rays.chunks(of.rays()).zip(answers.chunks_mut(of.rays())) {
@@ -192,16 +201,25 @@ where
         }
     }
 
-    /// Some of up to 64 rays, one after another.
+    /// Some of up to 64 rays, one after another. Returns how far they went.
     #[inline(always)]
-    fn alone<A: Answer, P: Purse, const ANY: bool>(self, which: u64, rays: &[Ray], answers: &mut [A], purse: &mut P) {
+    fn alone<A: Answer, P: Purse, const ANY: bool>(
+        self,
+        which: u64,
+        rays: &[Ray],
+        answers: &mut [A],
+        purse: &mut P,
+    ) -> Reach {
         let Self { view, prims, place, fuel, isa } = self;
+        let mut reach = Reach::default();
         for (i, (ray, answer)) in rays.iter().zip(answers).enumerate() {
             if which >> i & 1 == 1 {
                 let query = Query::<_, ANY, W> { view, prims, ray: Given::new(ray), place, meter: purse.open(fuel) };
-                isa.run(Placed { query, answer });
+                let spent = fuel.wrapping_sub(isa.run(Placed { query, answer }).unwrap_or(fuel));
+                reach.add(Reach { spent, rays: u32::from(spent != 0) });
             }
         }
+        reach
     }
 
     /// The heading that most rays have, as far as eight of them tell; none if those differ, or if rays are far apart.

@@ -32,13 +32,14 @@ mod group;
 mod interval;
 mod many;
 mod packet;
+mod query;
 mod slabs;
 mod stream;
 mod walk;
 
 pub use many::SCRATCH as STREAM_SCRATCH;
 pub(crate) use many::{Answer, Many, Purse, Uncounted};
-pub(crate) use walk::Query;
+pub(crate) use query::Query;
 
 use crate::blob::prims::Prims;
 use crate::blob::{Blob, BlobError, Rule, Section, block};

@@ -4,94 +4,17 @@
 //! taken in another order, which changes nothing. Where one child is met, and that is most often so, the walk goes on with it
 //! and nothing else is done; of several the nearest is next, and the others wait, the nearer above the farther.
 use super::slabs::Slabs;
-use super::{In, Node, STACK, View, Wide, slots};
+use super::{Node, STACK, View, slots};
 use crate::blob::prims::Prims;
 use crate::bvh::Child;
 use crate::bvh::tree::root;
-use crate::geom::place::Place;
+use crate::geom::Aabb;
 use crate::geom::ray::Prepared;
-use crate::geom::{Aabb, Hit};
 use crate::num::index;
-use crate::walk::lanes::{Lanes, Row, Work};
-use crate::walk::prepare::{Entered, Given, prepare};
-use crate::walk::block::Aim;
+use crate::walk::aim::Aim;
+use crate::walk::lanes::{Lanes, Row};
 use crate::walk::{Best, Meter, Stop, block, test};
-
-/// A query, to be compiled for each instruction set.
-pub(crate) struct Query<'q, 'a, M, const ANY: bool, const W: usize> {
-    pub view: &'q View<'a, W>,
-    pub prims: &'q Prims<'a>,
-    pub ray: Given,
-    pub place: &'q Place<'q>,
-    pub meter: M,
-}
-
-impl<M: Meter, const ANY: bool, const W: usize> Work for Query<'_, '_, M, ANY, W>
-where
-    Node<W>: Wide<W>,
-{
-    type Output = Result<Option<Hit>, Stop>;
-
-    #[inline(always)]
-    fn run<L8: Lanes<8>, L4: Lanes<4>>(self) -> Self::Output {
-        if !In::<W, L8, L4>::QUICK {
-            return Slow(self).run::<L8, L4>();
-        }
-        let Some(entered) = Entered::<L4>::new(&self.ray, self.place) else {
-            return if self.ray.is_tiny() { L8::call(Slow(self)) } else { Ok(None) };
-        };
-        if !entered.quick {
-            return L8::call(Slow(self));
-        }
-        if self.prims.blocks.is_empty() {
-            return L8::call(Mixed(self));
-        }
-        let ray = entered.prepared();
-        let Self { view, prims, ray: ref given, place, mut meter } = self;
-        let mut best = Best::new(ray.t_max);
-        let rays = (&ray, block::Single { ray: &ray, given, place });
-        walk_with::<W, ANY, true, false, In<W, L8, L4>, L4>(view, prims, rays, &mut best, &mut meter)?;
-        Ok(best.hit())
-    }
-}
-
-/// A query of a scene in which not all are triangles: its tests point to the ray, so much of that is kept at hand.
-struct Mixed<'q, 'a, M, const ANY: bool, const W: usize>(Query<'q, 'a, M, ANY, W>);
-
-impl<M: Meter, const ANY: bool, const W: usize> Work for Mixed<'_, '_, M, ANY, W>
-where
-    Node<W>: Wide<W>,
-{
-    type Output = Result<Option<Hit>, Stop>;
-
-    #[inline(always)]
-    fn run<L8: Lanes<8>, L4: Lanes<4>>(self) -> Self::Output {
-        let Query { view, prims, ray, place, mut meter } = self.0;
-        let Some(ray) = prepare::<L4>(&ray, place) else { return Ok(None) };
-        let mut best = Best::new(ray.t_max);
-        walk_with::<W, ANY, true, true, In<W, L8, L4>, L4>(view, prims, (&ray, &ray), &mut best, &mut meter)?;
-        Ok(best.hit())
-    }
-}
-
-/// A query on a machine without a quick box test, or whose ray that does not suit.
-struct Slow<'q, 'a, M, const ANY: bool, const W: usize>(Query<'q, 'a, M, ANY, W>);
-
-impl<M: Meter, const ANY: bool, const W: usize> Work for Slow<'_, '_, M, ANY, W>
-where
-    Node<W>: Wide<W>,
-{
-    type Output = Result<Option<Hit>, Stop>;
-
-    #[inline(always)]
-    fn run<L8: Lanes<8>, L4: Lanes<4>>(self) -> Self::Output {
-        let Query { view, prims, ray, place, mut meter } = self.0;
-        let Some(ray) = prepare::<L4>(&ray, place) else { return Ok(None) };
-        let mut best = Best::new(ray.t_max);
-        walk_with::<W, ANY, false, true, In<W, L8, L4>, L4>(view, prims, (&ray, &ray), &mut best, &mut meter)?;
-        Ok(best.hit().map(|hit| Hit { t: hit.t * ray.unit, ..hit }))
-    }
-}
+use core::hint::select_unpredictable;
 
 impl<const W: usize> View<'_, W> {
     /// The walk with what every machine has. Finds the closest hit, or with `ANY` whether there is one; returns whether it
@@ -110,7 +33,7 @@ impl<const W: usize> View<'_, W> {
         best: &mut Best,
         meter: &mut impl Meter,
     ) -> Result<bool, Stop> {
-        walk_with::<W, ANY, false, true, Row<W>, Row<4>>(self, prims, (ray, ray), best, meter)
+        walk::<W, ANY, false, true, Row<W>, Row<4>>(self, prims, (ray, ray), best, meter)
     }
 }
 
@@ -175,7 +98,7 @@ fn pop(rest: &mut Rest) -> Option<Waiting> {
 /// # Errors
 /// [`Stop`] if the meter runs out or the bytes contradict themselves.
 #[inline(always)]
-fn walk_with<const W: usize, const ANY: bool, const QUICK: bool, const MIXED: bool, L: Lanes<W>, L4: Lanes<4>>(
+pub(super) fn walk<const W: usize, const ANY: bool, const QUICK: bool, const MIXED: bool, L: Lanes<W>, L4: Lanes<4>>(
     view: &View<'_, W>,
     prims: &Prims<'_>,
     (ray, aim): (&Prepared, impl Aim),
@@ -217,6 +140,9 @@ fn walk_with<const W: usize, const ANY: bool, const QUICK: bool, const MIXED: bo
             let second = lane::<W>(rest);
             let rest = rest & (rest - 1);
             let (a, b) = if is_nearer::<QUICK>(near[second], near[first]) { (second, first) } else { (first, second) };
+            if !MIXED {
+                fetch::<W, L>(view, prims, node.child[b]);
+            }
             stack.push((node.child[b], near[b]))?;
             at = node.child[a];
             if rest != 0 {
@@ -246,6 +172,14 @@ fn walk_with<const W: usize, const ANY: bool, const QUICK: bool, const MIXED: bo
             }
         };
     }
+}
+
+/// Asks for the memory of a child that waits, so that it need not be waited for. Whether it is a leaf is not branched on.
+#[inline(always)]
+fn fetch<const W: usize, L: Lanes<W>>(view: &View<'_, W>, prims: &Prims<'_>, child: Child) {
+    let n = index(child.number());
+    let (nodes, blocks) = (view.nodes.as_ptr().wrapping_add(n), prims.blocks.as_ptr().wrapping_add(n));
+    L::prefetch_at(select_unpredictable(child.is_node(), nodes.cast(), blocks.cast()), size_of::<Node<W>>());
 }
 
 /// Whether a distance is less than another, neither of which is NaN; as whole numbers where neither is negative, which is

@@ -167,14 +167,13 @@ impl Lanes<4> for Neon {
     }
 
     #[inline(always)]
-    fn prefetch<T>(at: &T) {
-        let first = core::ptr::from_ref(at).cast::<u8>();
-        for line in (0..size_of::<T>()).step_by(64) {
+    fn prefetch_at(at: *const u8, bytes: usize) {
+        for line in (0..bytes).step_by(64) {
             // SAFETY: a prefetch reads nothing that a program can see.
             unsafe {
                 core::arch::asm!(
                     "prfm pldl1keep, [{at}]",
-                    at = in(reg) first.wrapping_add(line),
+                    at = in(reg) at.wrapping_add(line),
                     options(nostack, preserves_flags, readonly)
                 );
             }

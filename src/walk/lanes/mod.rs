@@ -103,7 +103,12 @@ pub trait Lanes<const N: usize>:
     }
     /// Asks for memory ahead of its use, if the machine can.
     #[inline(always)]
-    fn prefetch<T>(_at: &T) {}
+    fn prefetch<T>(at: &T) {
+        Self::prefetch_at(core::ptr::from_ref(at).cast(), size_of::<T>());
+    }
+    /// The same of some bytes, which need not be there: nothing is read.
+    #[inline(always)]
+    fn prefetch_at(_at: *const u8, _bytes: usize) {}
 }
 
 /// Four lanes that every machine of this architecture has.

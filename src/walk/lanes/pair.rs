@@ -133,8 +133,8 @@ impl<H: Half> Lanes<8> for Pair<H> {
     }
 
     #[inline(always)]
-    fn prefetch<T>(at: &T) {
-        H::prefetch(at);
+    fn prefetch_at(at: *const u8, bytes: usize) {
+        H::prefetch_at(at, bytes);
     }
 }
 

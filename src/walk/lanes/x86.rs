@@ -72,11 +72,10 @@ impl Half for Sse41 {}
 
 /// Asks for every line of a value.
 #[inline(always)]
-fn fetch<T>(at: &T) {
-    let first = core::ptr::from_ref(at).cast::<i8>();
-    for line in (0..size_of::<T>()).step_by(64) {
+fn fetch(at: *const u8, bytes: usize) {
+    for line in (0..bytes).step_by(64) {
         // SAFETY: a prefetch reads nothing, and every x86-64 has it.
-        unsafe { _mm_prefetch::<_MM_HINT_T0>(first.wrapping_add(line)) };
+        unsafe { _mm_prefetch::<_MM_HINT_T0>(at.cast::<i8>().wrapping_add(line)) };
     }
 }
 
@@ -194,8 +193,8 @@ macro_rules! lanes {
             }
 
             #[inline(always)]
-            fn prefetch<T>(at: &T) {
-                fetch(at);
+            fn prefetch_at(at: *const u8, bytes: usize) {
+                fetch(at, bytes);
             }
 
             $($more)*

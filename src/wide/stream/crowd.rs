@@ -10,7 +10,7 @@ use crate::geom::ray::{Axis, LARGE, ORIGIN_PAD, PAD, Prepared, SMALL, doubts};
 use crate::geom::vec::Vec3;
 use crate::geom::{Aabb, Ray, Triangle};
 use crate::walk::Best;
-use crate::walk::block::{Aim, Source};
+use crate::walk::aim::{Aim, Source};
 use crate::walk::lanes::Lanes;
 use crate::wide::slabs::Slab;
 

@@ -11,7 +11,7 @@
 
 mod crowd;
 
-use super::many::{Answer, Many, Purse};
+use super::many::{Answer, Many, Purse, Reach};
 use super::slabs::Slabs;
 use super::walk::{Waiting, is_nearer, lane};
 use super::{In, Node, Wide};
@@ -76,9 +76,10 @@ where
         }
         alone &= which;
         enter &= which;
-        let lost = crowd
-            .walk::<ANY, W, In<W, L8, L4>, L4>(many, enter, purse.open(many.fuel.saturating_mul(count(RAYS))))
-            .unwrap_or(enter);
+        let mut meter = purse.open(many.fuel.saturating_mul(count(RAYS)));
+        let fuel = meter.left();
+        let lost = crowd.walk::<ANY, W, In<W, L8, L4>, L4>(many, enter, &mut meter).unwrap_or(enter);
+        crowd.reach = Reach { spent: fuel.wrapping_sub(meter.left()), rays: enter.count_ones() };
         let mut answered = which & !alone & !lost;
         while answered != 0 {
             let i = index(answered.trailing_zeros());
@@ -97,9 +98,8 @@ pub(super) struct Crowd {
     best: [Best; RAYS],
     at: [Child; RAYS],
     len: [usize; RAYS],
-    /// Nodes that the last stream visited, and its rays that met the scene's box.
-    visited: usize,
-    entered: u32,
+    /// How far the rays of the last stream went.
+    pub(super) reach: Reach,
     /// Children that wait, the nearest last, above an entry that is none.
     stack: [[Waiting; DEPTH]; RAYS],
 }
@@ -132,16 +132,9 @@ impl Crowd {
         best: [Best::new(0.0); RAYS],
         at: [Child::NONE; RAYS],
         len: [0; RAYS],
-        visited: 0,
-        entered: 0,
+        reach: Reach { spent: 0, rays: 0 },
         stack: [[(Child::NONE, 0.0); DEPTH]; RAYS],
     };
-
-    /// Whether the rays of the last stream went so far that it paid: those that visit two or three nodes are faster alone.
-    #[inline(always)]
-    pub(super) fn paid(&self) -> bool {
-        self.visited >= index(self.entered).saturating_mul(3)
-    }
 
     /// All rays to their ends. Returns those that had no room.
     #[inline(always)]
@@ -149,11 +142,10 @@ impl Crowd {
         &mut self,
         many: Many<'_, '_, W>,
         mut enter: u64,
-        mut meter: impl Meter,
+        meter: &mut impl Meter,
     ) -> Result<u64, Stop> {
         let root = root(many.view.nodes, many.prims.len);
         let (mut nodes, mut leaves) = (Queue::EMPTY, Queue::EMPTY);
-        (self.visited, self.entered) = (0, enter.count_ones());
         while enter != 0 {
             let i = index(enter.trailing_zeros()) % RAYS;
             enter &= enter - 1;
@@ -166,7 +158,6 @@ impl Crowd {
             while nodes.len != 0 {
                 let turn = nodes.len;
                 nodes.len = 0;
-                self.visited = self.visited.wrapping_add(turn);
                 for j in 0..turn {
                     if !meter.node() {
                         return Err(Stop::Fuel);
@@ -188,7 +179,7 @@ impl Crowd {
                     L::prefetch(block);
                 }
                 let i = leaves.get(j);
-                let next = self.leaf::<ANY, L4>(many.prims.blocks, i, &mut meter)?;
+                let next = self.leaf::<ANY, L4>(many.prims.blocks, i, meter)?;
                 nodes.put(i, next.is_node() & (next != Child::NONE));
                 leaves.put(i, !next.is_node());
             }

@@ -1,0 +1,125 @@
+//! A query: which walk suits its ray, and where its answer goes.
+use super::many::Answer;
+use super::walk::walk;
+use super::{In, Node, View, Wide};
+use crate::blob::prims::Prims;
+use crate::geom::Hit;
+use crate::geom::place::Place;
+use crate::geom::ray::Prepared;
+use crate::walk::aim::Single;
+use crate::walk::lanes::{Lanes, Work};
+use crate::walk::prepare::{Entered, Given, prepare};
+use crate::walk::{Best, Meter, Stop};
+
+/// A query, to be compiled for each instruction set.
+pub(crate) struct Query<'q, 'a, M, const ANY: bool, const W: usize> {
+    pub view: &'q View<'a, W>,
+    pub prims: &'q Prims<'a>,
+    pub ray: Given,
+    pub place: &'q Place<'q>,
+    pub meter: M,
+}
+
+impl<M: Meter, const ANY: bool, const W: usize> Work for Query<'_, '_, M, ANY, W>
+where
+    Node<W>: Wide<W>,
+{
+    type Output = Result<Option<Hit>, Stop>;
+
+    #[inline(always)]
+    fn run<L8: Lanes<8>, L4: Lanes<4>>(self) -> Self::Output {
+        match self.enter::<L8, L4>() {
+            Entry::Quick(ray) => Ok(self.quick::<L8, L4>(&ray)?.0.hit()),
+            Entry::Miss => Ok(None),
+            // There it is not the rare way.
+            Entry::Whole if !In::<W, L8, L4>::QUICK => Ok(self.whole::<false, L8, L4>()?.0),
+            Entry::Whole => Ok(L8::call(Whole::<_, ANY, W, false>(self))?.0),
+            Entry::Mixed => Ok(L8::call(Whole::<_, ANY, W, true>(self))?.0),
+        }
+    }
+}
+
+/// How a query goes on.
+enum Entry {
+    /// With the quick box test.
+    Quick(Prepared),
+    /// The ray misses the scene's box.
+    Miss,
+    /// The quick box test is not for this ray, or not of this machine.
+    Whole,
+    /// Not all are triangles in blocks.
+    Mixed,
+}
+
+impl<M: Meter, const ANY: bool, const W: usize> Query<'_, '_, M, ANY, W>
+where
+    Node<W>: Wide<W>,
+{
+    #[inline(always)]
+    fn enter<L8: Lanes<8>, L4: Lanes<4>>(&self) -> Entry {
+        if !In::<W, L8, L4>::QUICK || !self.ray.is_quick() {
+            return Entry::Whole;
+        }
+        match Entered::<L4>::fine(&self.ray, self.place) {
+            None => Entry::Miss,
+            Some(_) if self.prims.blocks.is_empty() => Entry::Mixed,
+            Some(entered) => Entry::Quick(entered.prepared()),
+        }
+    }
+
+    /// The best hit in blocks, and what is left of the budget.
+    #[inline(always)]
+    fn quick<L8: Lanes<8>, L4: Lanes<4>>(self, ray: &Prepared) -> Result<(Best, u32), Stop> {
+        let Self { view, prims, ray: ref given, place, mut meter } = self;
+        let mut best = Best::new(ray.t_max);
+        let rays = (ray, Single { ray, given, place });
+        walk::<W, ANY, true, false, In<W, L8, L4>, L4>(view, prims, rays, &mut best, &mut meter)?;
+        Ok((best, meter.left()))
+    }
+
+    /// The hit among primitives of any kind, and what is left of the budget. Their tests point to the ray, so all of it is kept
+    /// at hand.
+    #[inline(always)]
+    fn whole<const QUICK: bool, L8: Lanes<8>, L4: Lanes<4>>(self) -> Result<(Option<Hit>, u32), Stop> {
+        let Self { view, prims, ray, place, mut meter } = self;
+        let Some(ray) = prepare::<L4>(&ray, place) else { return Ok((None, meter.left())) };
+        let mut best = Best::new(ray.t_max);
+        walk::<W, ANY, QUICK, true, In<W, L8, L4>, L4>(view, prims, (&ray, &ray), &mut best, &mut meter)?;
+        Ok((best.hit().map(|hit| Hit { t: hit.t * ray.unit, ..hit }), meter.left()))
+    }
+
+    /// Puts the answer where it belongs: handed back it would be moved as a whole right after it was written number by number,
+    /// and waited for. Returns what is left of the budget.
+    #[inline(always)]
+    pub(super) fn put<A: Answer, L8: Lanes<8>, L4: Lanes<4>>(self, answer: &mut A) -> Result<u32, Stop> {
+        *answer = A::new(None);
+        let (hit, left) = match self.enter::<L8, L4>() {
+            Entry::Quick(ray) => {
+                let (best, left) = self.quick::<L8, L4>(&ray)?;
+                *answer = A::new(best.hit());
+                return Ok(left);
+            }
+            Entry::Miss => return Ok(self.meter.left()),
+            Entry::Whole if !In::<W, L8, L4>::QUICK => self.whole::<false, L8, L4>()?,
+            Entry::Whole => L8::call(Whole::<_, ANY, W, false>(self))?,
+            Entry::Mixed => L8::call(Whole::<_, ANY, W, true>(self))?,
+        };
+        *answer = A::new(hit);
+        Ok(left)
+    }
+}
+
+/// A query out of line.
+struct Whole<'q, 'a, M, const ANY: bool, const W: usize, const QUICK: bool>(Query<'q, 'a, M, ANY, W>);
+
+impl<M: Meter, const ANY: bool, const W: usize, const QUICK: bool> Work for Whole<'_, '_, M, ANY, W, QUICK>
+where
+    Node<W>: Wide<W>,
+{
+    type Output = Result<(Option<Hit>, u32), Stop>;
+
+    #[inline(always)]
+    fn run<L8: Lanes<8>, L4: Lanes<4>>(self) -> Self::Output {
+        self.0.whole::<QUICK, L8, L4>()
+    }
+}
