@@ -24,6 +24,7 @@ const FAR: f32 = 1e37;
 type Each<const N: usize> = [f32; N];
 
 /// Rays of one heading, prepared, each with its best hit so far.
+#[cfg_attr(target_arch = "x86_64", repr(align(32)))]
 #[derive(Clone, Copy)]
 pub(crate) struct Packet<const N: usize> {
     origin: [Each<N>; 3],

@@ -115,6 +115,7 @@ fn of_heading(rays: &[Ray], heading: Option<Heading>) -> u64 {
 type Each = [f32; PACKETS];
 
 /// Packets that walk together.
+#[cfg_attr(target_arch = "x86_64", repr(align(32)))]
 pub(super) struct Team {
     packets: [Packet<AT_ONCE>; PACKETS],
     /// Which packets there are.

@@ -45,9 +45,14 @@ type Rest = heapless::Vec<Waiting, { index(STACK) - TOP }>;
 /// Entries of a stack that every walk has; the others take a push out of line.
 const TOP: usize = 24;
 
+/// Those entries. Aligned, and with them the frame of whoever has them: rows of eight numbers that lie across two cache lines
+/// there take longer.
+#[cfg_attr(target_arch = "x86_64", repr(align(32)))]
+struct Top([Waiting; TOP]);
+
 /// Children that wait, the nearest last.
 struct Stack<'r> {
-    top: [Waiting; TOP],
+    top: Top,
     len: usize,
     /// Elsewhere: what is pointed to takes all that it is part of along, and the length is to be in a register.
     rest: &'r mut Rest,
@@ -56,12 +61,12 @@ struct Stack<'r> {
 impl<'r> Stack<'r> {
     #[inline(always)]
     const fn new(rest: &'r mut Rest) -> Self {
-        Self { top: [(Child::NONE, 0.0); TOP], len: 0, rest }
+        Self { top: Top([(Child::NONE, 0.0); TOP]), len: 0, rest }
     }
 
     #[inline(always)]
     fn push(&mut self, entry: Waiting) -> Result<(), Stop> {
-        match self.top.get_mut(self.len) {
+        match self.top.0.get_mut(self.len) {
             Some(place) => *place = entry,
             None => push(self.rest, entry)?,
         }
@@ -72,7 +77,7 @@ impl<'r> Stack<'r> {
     #[inline(always)]
     fn pop(&mut self) -> Option<Waiting> {
         self.len = self.len.checked_sub(1)?;
-        match self.top.get(self.len) {
+        match self.top.0.get(self.len) {
             Some(&entry) => Some(entry),
             None => pop(self.rest),
         }
@@ -223,7 +228,7 @@ fn nearest<const W: usize, const QUICK: bool>(
         stack.push((node.child[lane], near[lane]))?;
         let mut place = stack.len.wrapping_sub(1);
         for _ in 0..sorted {
-            match stack.top.get_mut(place.wrapping_sub(1)..=place) {
+            match stack.top.0.get_mut(place.wrapping_sub(1)..=place) {
                 Some([below, above]) if is_nearer::<QUICK>(below.1, above.1) => core::mem::swap(below, above),
                 _ => break,
             }

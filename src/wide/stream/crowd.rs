@@ -21,6 +21,7 @@ pub(super) const AT_ONCE: usize = 8;
 type Each = [[f32; AT_ONCE]; RAYS / AT_ONCE];
 
 /// Up to 64 rays.
+#[cfg_attr(target_arch = "x86_64", repr(align(32)))]
 pub(crate) struct Rays {
     origin: [Each; 3],
     near_origin: [Each; 3],

@@ -104,7 +104,8 @@ pub(super) struct Crowd {
     stack: [[Waiting; DEPTH]; RAYS],
 }
 
-/// The numbers of rays whose turn comes.
+/// The numbers of rays whose turn comes. Aligned as the entries of a walk's stack are.
+#[cfg_attr(target_arch = "x86_64", repr(align(32)))]
 struct Queue {
     all: [u8; RAYS],
     len: usize,
