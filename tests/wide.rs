@@ -209,3 +209,51 @@ fn distances_that_underflow_are_those_of_the_list() {
     }
     assert!(hits > 500, "{hits} hits only");
 }
+
+/// From an origin so far that the pad of the slab test is infinite, all boxes are met, but no child that is not there.
+#[test]
+fn rays_from_afar_hit_what_the_list_hits() {
+    const SIZE: f32 = 1e36;
+    let mut hits = 0;
+    for local in [[0.0; 3], [0.9 * f32::MAX, 0.0, 0.0]] {
+        let mut mesh = icosphere(1);
+        for position in &mut mesh.positions {
+            *position = [0, 1, 2].map(|k| position[k] * SIZE + local[k]);
+        }
+        let wide = Config::new(Kind::Wide);
+        let blobs = [Config::new(Kind::List), wide, wide.width(4)].map(|config| build(&mesh, &config.local(local)));
+        let [list, wide, wide4] = blobs.each_ref().map(|blob| Scene::from_bytes(blob).expect("a good blob"));
+        let mut random = Random::new(11);
+        let mut number = |size: f32| (random.below(2001) as f32 / 1000.0 - 1.0) * size;
+        let mut rays = vec![];
+        for (far, k) in
+            [f32::MAX, 0.6 * f32::MAX, 1e38, 8e37].into_iter().flat_map(|far| [(far, 0), (far, 1), (far, 2)])
+        {
+            for from in [far, -far] {
+                for slope in [0.0, 1e-6, 1e-3] {
+                    let origin = [0, 1, 2].map(|i| if i == k { from } else { local[i] + number(SIZE) });
+                    let dir = [0, 1, 2].map(|i| if i == k { -from.signum() } else { number(slope) });
+                    rays.push(Ray::new(origin, dir));
+                    rays.push(Ray::new(origin, dir).within(0.0, 1e12));
+                    rays.push(Ray::new(origin, dir.map(|x| x * 4.0)).within(-1.0, f32::MAX));
+                }
+            }
+        }
+        let truth: Vec<_> = rays.iter().map(|ray| list.closest_hit(ray)).collect();
+        hits += truth.iter().flatten().count();
+        for (scene, isa) in Isa::all().flat_map(|isa| [(wide, isa), (wide4, isa)]) {
+            let scene = scene.with_isa(isa);
+            let (mut together, mut any) = (vec![None; rays.len()], vec![false; rays.len()]);
+            scene.closest_hits(&rays, &mut together);
+            scene.any_hits(&rays, &mut any);
+            for (((ray, truth), together), any) in rays.iter().zip(&truth).zip(together).zip(any) {
+                let within = scene.closest_hit_within(ray, scene.limits().steps);
+                assert_eq!(within.map(bits), Ok(bits(*truth)), "{isa:?}, {ray:?}");
+                assert_eq!(bits(scene.closest_hit(ray)), bits(*truth), "{isa:?}, {ray:?}");
+                assert_eq!(bits(together), bits(*truth), "{isa:?}, many, {ray:?}");
+                assert_eq!((scene.any_hit(ray), any), (truth.is_some(), truth.is_some()), "{isa:?}, {ray:?}");
+            }
+        }
+    }
+    assert!(hits > 30, "{hits} hits only");
+}

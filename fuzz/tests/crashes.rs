@@ -23,7 +23,7 @@ macro_rules! finds {
 }
 
 finds! {
-    build_then_agree: distances_underflow, grid_beyond_half_range, rescaled_denormal_t, rescaled_infinite_t, rescaled_interval;
+    build_then_agree: distances_underflow, far_origin, grid_beyond_half_range, rescaled_denormal_t, rescaled_infinite_t, rescaled_interval;
     parse: nested_lists_without_grids, wide_nodes_in_circles;
 }
 

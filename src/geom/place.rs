@@ -7,6 +7,10 @@ const U: f32 = 1.0 / 16_777_216.0;
 /// In scenes smaller than this edge functions may underflow.
 const TOO_SMALL: f32 = 1.0 / 549_755_813_888.0; // 2^-39
 
+/// Where no coordinate and no origin of a ray exceeds this, relative to the scene and to its local origin, differences of them
+/// are numbers, and so are the pads of rays.
+const FAR: f32 = 85_070_591_730_234_615_865_843_651_857_942_052_864.0; // 2^126
+
 /// A scene's box, its local origin, and what its triangles add to the doubt about an edge function.
 #[derive(Clone, Copy, Debug)]
 pub struct Place<'p> {
@@ -14,6 +18,8 @@ pub struct Place<'p> {
     pub(crate) local: Vec3,
     pub(crate) longest: f32,
     pub(crate) coarse: f32,
+    /// Rays whose origin is nearer than this on every axis have finite pads; 0 in a scene that itself is so far.
+    pub(crate) far: f32,
 }
 
 impl<'p> Place<'p> {
@@ -21,7 +27,9 @@ impl<'p> Place<'p> {
     /// triangles' boxes, or 0 where that is not known.
     #[must_use]
     pub fn new(bounds: &'p Aabb, local: Vec3, longest: f32) -> Self {
-        Self { bounds, local, longest, coarse: coarse(bounds, longest) }
+        let all = [bounds.min, bounds.max, local];
+        let far = if all.as_flattened().iter().all(|x| x.abs() <= FAR) { FAR } else { 0.0 };
+        Self { bounds, local, longest, coarse: coarse(bounds, longest), far }
     }
 }
 

@@ -28,13 +28,13 @@ impl Given {
         Self { origin: row(ray.origin, ray.dir[0]), dir: row(ray.dir, ray.t_min), t_max: ray.t_max }
     }
 
-    /// Whether no distance to a plane is NaN, and none that counts is negative or underflows; nor is the greatest 0, of whatever
-    /// sign. What makes no sense is not quick.
+    /// Whether no distance to a plane is NaN, not even to those of an empty box, and none that counts is negative or underflows;
+    /// nor is the greatest 0, of whatever sign. What makes no sense is not quick.
     #[inline(always)]
-    pub fn is_quick(&self) -> bool {
+    pub fn is_quick(&self, place: &Place<'_>) -> bool {
         let splat = <Four as Lanes<4>>::splat;
         let ([.., t_min], size) = (self.dir.store(), self.dir.abs());
-        let fine = self.origin.abs().lt(splat(f32::INFINITY)) & splat(SMALL).le(size) & size.le(splat(LARGE));
+        let fine = self.origin.abs().lt(splat(place.far)) & splat(SMALL).le(size) & size.le(splat(LARGE));
         fine & 7 == 7 && t_min >= 0.0 && self.t_max > 0.0 && t_min <= self.t_max
     }
 

@@ -135,6 +135,12 @@ impl<const W: usize> Node<W> {
         words
     }
 
+    /// The lanes with a child, one bit each.
+    #[inline(always)]
+    fn present(&self) -> u32 {
+        self.child.iter().enumerate().fold(0, |all, (lane, &child)| all | u32::from(child != Child::NONE) << lane)
+    }
+
     /// Number of children.
     #[must_use]
     pub fn len(&self) -> usize {

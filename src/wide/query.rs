@@ -57,7 +57,7 @@ where
 {
     #[inline(always)]
     fn enter<L8: Lanes<8>, L4: Lanes<4>>(&self) -> Entry {
-        if !In::<W, L8, L4>::QUICK || !self.ray.is_quick() {
+        if !In::<W, L8, L4>::QUICK || !self.ray.is_quick(self.place) {
             return Entry::Whole;
         }
         match Entered::<L4>::fine(&self.ray, self.place) {

@@ -89,7 +89,8 @@ impl<const W: usize, L: Lanes<W>, const QUICK: bool> Slabs<W, L, QUICK> {
         let far_y = Self::least(Self::plane(node, fy, y, iy), far_x);
         let far_z = Self::least(Self::plane(node, fz, z, iz), t_max);
         let far = Self::least(far_y, far_z);
-        (if QUICK { near.quick_le(far) } else { near.le(far) }, near)
+        // An origin so far that its pad is infinite meets all boxes, the empty ones too.
+        (if QUICK { near.quick_le(far) } else { near.le(far) & node.present() }, near)
     }
 }
 

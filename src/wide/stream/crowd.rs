@@ -144,14 +144,14 @@ impl Rays {
             }
             (self.t_min[c][i], self.t_max[c][i]) = (ray.t_min, ray.t_max);
         }
-        let (zero, infinite) = (L::splat(0.0), L::splat(f32::INFINITY));
+        let (zero, too_far) = (L::splat(0.0), L::splat(place.far));
         let given = [L::load(&origin[0]), L::load(&origin[1]), L::load(&origin[2])];
         let dir = [L::load(&dir[0]) + zero, L::load(&dir[1]) + zero, L::load(&dir[2]) + zero];
         let size = [dir[0].abs(), dir[1].abs(), dir[2].abs()];
         let (t_min, t_max) = (L::load(&self.t_min[c]), L::load(&self.t_max[c]));
         let mut quick = t_min.le(t_max) & zero.le(t_min) & zero.lt(t_max);
         for k in 0..3 {
-            quick &= given[k].abs().lt(infinite) & L::splat(SMALL).le(size[k]) & size[k].le(L::splat(LARGE));
+            quick &= given[k].abs().lt(too_far) & L::splat(SMALL).le(size[k]) & size[k].le(L::splat(LARGE));
         }
         let (Aabb { min, max }, local) = (place.bounds, place.local);
         let origin = [given[0] - L::splat(local[0]), given[1] - L::splat(local[1]), given[2] - L::splat(local[2])];
