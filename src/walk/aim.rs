@@ -47,14 +47,6 @@ impl Source for Prepared {
     }
 }
 
-/// A ray by itself, and what it was prepared from.
-#[derive(Clone, Copy)]
-pub(crate) struct Single<'r> {
-    pub ray: &'r Prepared,
-    pub given: &'r Given,
-    pub place: &'r Place<'r>,
-}
-
 impl Source for (&Given, &Place<'_>) {
     #[inline(always)]
     fn prepared(self) -> Option<Prepared> {
@@ -62,98 +54,74 @@ impl Source for (&Given, &Place<'_>) {
     }
 }
 
-impl Aim for &Prepared {
+/// What is known of a prepared ray besides: nothing, or what it was prepared from.
+pub trait Known: Copy {
+    /// Where all of the ray comes from.
+    type Source: Source;
+    /// Where all of the ray comes from.
+    fn source(self, ray: &Prepared) -> Self::Source;
+}
+
+impl Known for () {
     type Source = Prepared;
     #[inline(always)]
-    fn axes(self) -> [Axis; 3] {
-        [self.kx, self.ky, self.kz]
-    }
-    #[inline(always)]
-    fn turned(self) -> Vec3 {
-        self.turned()
-    }
-    #[inline(always)]
-    fn shear(self) -> [f32; 2] {
-        self.shear
-    }
-    #[inline(always)]
-    fn doubt(self) -> f32 {
-        self.doubt
-    }
-    #[inline(always)]
-    fn near_origin(self) -> Vec3 {
-        self.near_origin
-    }
-    #[inline(always)]
-    fn far_origin(self) -> Vec3 {
-        self.far_origin
-    }
-    #[inline(always)]
-    fn inv(self) -> Vec3 {
-        self.inv
-    }
-    #[inline(always)]
-    fn inv_kz(self) -> f32 {
-        self.inv_kz
-    }
-    #[inline(always)]
-    fn t_min(self) -> f32 {
-        self.t_min
-    }
-    #[inline(always)]
-    fn source(self) -> Prepared {
-        *self
-    }
-    #[inline(always)]
-    fn meets(self, triangle: &Triangle, t_max: f32) -> Option<Crossing> {
-        triangle.crossing(self, t_max)
+    fn source(self, ray: &Prepared) -> Prepared {
+        *ray
     }
 }
 
-impl<'r> Aim for Single<'r> {
-    type Source = (&'r Given, &'r Place<'r>);
+impl Known for (&Given, &Place<'_>) {
+    type Source = Self;
+    #[inline(always)]
+    fn source(self, _: &Prepared) -> Self {
+        self
+    }
+}
+
+impl<K: Known> Aim for (&Prepared, K) {
+    type Source = K::Source;
     #[inline(always)]
     fn axes(self) -> [Axis; 3] {
-        self.ray.axes()
+        [self.0.kx, self.0.ky, self.0.kz]
     }
     #[inline(always)]
     fn turned(self) -> Vec3 {
-        self.ray.turned()
+        self.0.turned()
     }
     #[inline(always)]
     fn shear(self) -> [f32; 2] {
-        self.ray.shear
+        self.0.shear
     }
     #[inline(always)]
     fn doubt(self) -> f32 {
-        self.ray.doubt
+        self.0.doubt
     }
     #[inline(always)]
     fn near_origin(self) -> Vec3 {
-        self.ray.near_origin
+        self.0.near_origin
     }
     #[inline(always)]
     fn far_origin(self) -> Vec3 {
-        self.ray.far_origin
+        self.0.far_origin
     }
     #[inline(always)]
     fn inv(self) -> Vec3 {
-        self.ray.inv
+        self.0.inv
     }
     #[inline(always)]
     fn inv_kz(self) -> f32 {
-        self.ray.inv_kz
+        self.0.inv_kz
     }
     #[inline(always)]
     fn t_min(self) -> f32 {
-        self.ray.t_min
+        self.0.t_min
     }
     #[inline(always)]
-    fn source(self) -> Self::Source {
-        (self.given, self.place)
+    fn source(self) -> K::Source {
+        self.1.source(self.0)
     }
     #[inline(always)]
     fn meets(self, triangle: &Triangle, t_max: f32) -> Option<Crossing> {
-        triangle.crossing(self.ray, t_max)
+        triangle.crossing(self.0, t_max)
     }
 }

@@ -1,12 +1,11 @@
 //! A query: which walk suits its ray, and where its answer goes.
 use super::many::Answer;
-use super::walk::walk;
+use super::walk::{Rest, walk};
 use super::{In, Node, View, Wide};
 use crate::blob::prims::Prims;
 use crate::geom::Hit;
 use crate::geom::place::Place;
 use crate::geom::ray::Prepared;
-use crate::walk::aim::Single;
 use crate::walk::lanes::{Lanes, Work};
 use crate::walk::prepare::{Entered, Given, prepare};
 use crate::walk::{Best, Meter, Stop};
@@ -71,9 +70,15 @@ where
     #[inline(always)]
     fn quick<L8: Lanes<8>, L4: Lanes<4>>(self, ray: &Prepared) -> Result<(Best, u32), Stop> {
         let Self { view, prims, ray: ref given, place, mut meter } = self;
-        let mut best = Best::new(ray.t_max);
-        let rays = (ray, Single { ray, given, place });
-        walk::<W, ANY, true, false, In<W, L8, L4>, L4>(view, prims, rays, &mut best, &mut meter)?;
+        let (mut best, mut rest) = (Best::new(ray.t_max), Rest::new());
+        walk::<W, ANY, true, false, In<W, L8, L4>, L4>(
+            view,
+            prims,
+            (ray, (given, place)),
+            &mut rest,
+            &mut best,
+            &mut meter,
+        )?;
         Ok((best, meter.left()))
     }
 
@@ -83,8 +88,8 @@ where
     fn whole<const QUICK: bool, L8: Lanes<8>, L4: Lanes<4>>(self) -> Result<(Option<Hit>, u32), Stop> {
         let Self { view, prims, ray, place, mut meter } = self;
         let Some(ray) = prepare::<L4>(&ray, place) else { return Ok((None, meter.left())) };
-        let mut best = Best::new(ray.t_max);
-        walk::<W, ANY, QUICK, true, In<W, L8, L4>, L4>(view, prims, (&ray, &ray), &mut best, &mut meter)?;
+        let (mut best, mut rest) = (Best::new(ray.t_max), Rest::new());
+        walk::<W, ANY, QUICK, true, In<W, L8, L4>, L4>(view, prims, (&ray, ()), &mut rest, &mut best, &mut meter)?;
         Ok((best.hit().map(|hit| Hit { t: hit.t * ray.unit, ..hit }), meter.left()))
     }
 
