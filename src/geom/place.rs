@@ -1,6 +1,7 @@
 //! Where a scene is, and how coarse: what rays are prepared against.
 use super::aabb::Aabb;
 use super::vec::{Vec3, most, sub};
+use crate::walk::lanes;
 
 /// Half an ulp of 1.
 const U: f32 = 1.0 / 16_777_216.0;
@@ -18,7 +19,8 @@ pub struct Place<'p> {
     pub(crate) local: Vec3,
     pub(crate) longest: f32,
     pub(crate) coarse: f32,
-    /// Rays whose origin is nearer than this on every axis have finite pads; 0 in a scene that itself is so far.
+    /// Rays whose origin is nearer than this on every axis have finite pads; 0 in a scene that itself is so far, and where
+    /// there are no lanes: there nobody asks.
     pub(crate) far: f32,
 }
 
@@ -28,7 +30,7 @@ impl<'p> Place<'p> {
     #[must_use]
     pub fn new(bounds: &'p Aabb, local: Vec3, longest: f32) -> Self {
         let all = [bounds.min, bounds.max, local];
-        let far = if all.as_flattened().iter().all(|x| x.abs() <= FAR) { FAR } else { 0.0 };
+        let far = if lanes::HERE && all.as_flattened().iter().all(|x| x.abs() <= FAR) { FAR } else { 0.0 };
         Self { bounds, local, longest, coarse: coarse(bounds, longest), far }
     }
 }
