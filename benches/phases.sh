@@ -13,7 +13,7 @@ phases() {
       else if (chain ~ /Given|prepare::|Prepared::new|Slabs<[^>]*>>?::new|Slabs::new|Packet<_>::(set|range)|Team::(set|range|one)|Heading::new|of_heading|Many::shared|Bundle>?::(set|put|turn|turn_some|survey|ray)|State::(gather|sort)|class_of|crowd::Rays>?::(set|turn)/) phase = "preparation"
       else if (chain ~ /walk\/block\.rs|walk\/leaf\.rs|group\/leaf\.rs|Team::leaf|Packet<_>::(test|triangle)|geom\/(triangle|hit)\.rs/) phase = "triangle test"
       else if (chain ~ /Slabs|bvh::walk::(both|boxes|pair|slab)|Team::meet|Range>?::(meet|met)|Packet<_>::meets|bundle::boxes|Prepared::slab/) phase = "box test"
-      else if (chain ~ /heapless|Stack::|::wait|::nearest/) phase = "stack"
+      else if (chain ~ /heapless|Stack(<R>)?::|::wait|::nearest/) phase = "stack"
       else if (chain ~ /(wide|bvh)\/(walk|group|stream\/[a-z]*)\.rs|walk\/group\/mod\.rs/) phase = "node fetch and order"
       else phase = "call"
       of[address] = phase

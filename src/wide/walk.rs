@@ -100,7 +100,8 @@ fn pop(rest: &mut Rest) -> Option<Waiting> {
 }
 
 /// Finds the closest hit, or with `ANY` whether there is one; with the quick box test if that is asked for, and only in blocks
-/// unless `MIXED`. Takes the ray with what else is known of it, and where the rest of the stack may lie. Returns whether the walk ended at a hit.
+/// unless `MIXED`. Takes the ray with what else is known of it, and where the rest of the stack may lie. Returns whether the
+/// walk ended at a hit.
 ///
 /// # Errors
 /// [`Stop`] if the meter runs out or the bytes contradict themselves.
