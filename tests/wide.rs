@@ -3,6 +3,7 @@ use crate::blobs::{Break, break_one_by_one, edit, entries, header};
 use crate::common::meshes::{icosphere, mixed};
 use crate::common::rays::Random;
 use crate::common::{bits, build};
+use crate::soup::Soup;
 use flashray::blob::block::Block;
 use flashray::blob::{Blob, Buffer, Entry, Header, Rule, Section};
 use flashray::build::Config;
@@ -28,6 +29,36 @@ fn good_four() -> Vec<u8> {
 
 fn good_mixed_four() -> Vec<u8> {
     build(&mixed(60, 1), &Config::new(Kind::Wide).leaf(3).width(4)).to_vec()
+}
+
+/// Blobs of a mesh: the list, nodes of eight and nodes of four.
+fn three(mesh: &Soup, local: [f32; 3]) -> [Buffer; 3] {
+    let wide = Config::new(Kind::Wide).local(local);
+    [Config::new(Kind::List).local(local), wide, wide.width(4)].map(|config| build(mesh, &config))
+}
+
+fn scene(blob: &Buffer) -> Scene<'_> {
+    Scene::from_bytes(blob).expect("a good blob")
+}
+
+/// Asks both widths in every instruction set, ray by ray and all at once, for what the list says. Returns how many hit.
+fn agree(blobs: &[Buffer; 3], rays: &[Ray]) -> usize {
+    let [list, wide, wide4] = blobs.each_ref().map(scene);
+    let truth: Vec<_> = rays.iter().map(|ray| list.closest_hit(ray)).collect();
+    for (scene, isa) in Isa::all().flat_map(|isa| [(wide, isa), (wide4, isa)]) {
+        let scene = scene.with_isa(isa);
+        let (mut together, mut any) = (vec![None; rays.len()], vec![false; rays.len()]);
+        scene.closest_hits(rays, &mut together);
+        scene.any_hits(rays, &mut any);
+        for (((ray, truth), together), any) in rays.iter().zip(&truth).zip(together).zip(any) {
+            let within = scene.closest_hit_within(ray, scene.limits().steps);
+            assert_eq!(within.map(bits), Ok(bits(*truth)), "{isa:?}, {ray:?}");
+            assert_eq!(bits(scene.closest_hit(ray)), bits(*truth), "{isa:?}, {ray:?}");
+            assert_eq!(bits(together), bits(*truth), "{isa:?}, many, {ray:?}");
+            assert_eq!((scene.any_hit(ray), any), (truth.is_some(), truth.is_some()), "{isa:?}, {ray:?}");
+        }
+    }
+    truth.iter().flatten().count()
 }
 
 /// Edits a node of eight.
@@ -147,34 +178,22 @@ fn a_view_of_one_width_refuses_the_other() {
 /// A distance of 0 is one whatever its sign, and an origin within the slab test's pad of a plane is in its slab.
 #[test]
 fn rays_that_start_about_a_plane_hit_what_the_list_hits() {
-    let mesh = icosphere(1);
-    let wide = Config::new(Kind::Wide);
-    let blobs = [Config::new(Kind::List), wide, wide.width(4)].map(|config| build(&mesh, &config));
-    let [list, wide, wide4] = blobs.each_ref().map(|blob| Scene::from_bytes(blob).expect("a good blob"));
-    let bounds = list.bounds();
-    let mut hits = 0;
+    let blobs = three(&icosphere(1), [0.0; 3]);
+    let bounds = scene(&blobs[0]).bounds();
+    let mut rays = vec![];
     for (k, plane) in (0..3).flat_map(|k| [(k, bounds.min[k]), (k, bounds.max[k])]) {
         for step in -300..300i32 {
             let origin: [f32; 3] =
                 [0, 1, 2].map(|i| if i == k { f32::from_bits(plane.to_bits().wrapping_add_signed(step)) } else { 0.0 });
             for sign in [-1.0, 1.0] {
                 let dir = [0, 1, 2].map(|i| if i == k { sign } else { 1e-3 });
-                for ray in [
-                    Ray::new(origin, dir),
-                    Ray::new(origin, dir).within(-0.0, 0.0),
-                    Ray::new(origin, dir).within(0.0, -0.0),
-                ] {
-                    let truth = list.closest_hit(&ray);
-                    hits += u32::from(truth.is_some());
-                    for (scene, isa) in Isa::all().flat_map(|isa| [(wide, isa), (wide4, isa)]) {
-                        let scene = scene.with_isa(isa);
-                        assert_eq!(bits(scene.closest_hit(&ray)), bits(truth), "{isa:?}, {ray:?}");
-                        assert_eq!(scene.any_hit(&ray), truth.is_some(), "{isa:?}, {ray:?}");
-                    }
-                }
+                rays.push(Ray::new(origin, dir));
+                rays.push(Ray::new(origin, dir).within(-0.0, 0.0));
+                rays.push(Ray::new(origin, dir).within(0.0, -0.0));
             }
         }
     }
+    let hits = agree(&blobs, &rays);
     assert!(hits > 500, "{hits} hits only");
 }
 
@@ -183,9 +202,7 @@ fn rays_that_start_about_a_plane_hit_what_the_list_hits() {
 fn distances_that_underflow_are_those_of_the_list() {
     let mut mesh = icosphere(2);
     mesh.positions.iter_mut().flatten().for_each(|x| *x *= 1e-30);
-    let wide = Config::new(Kind::Wide);
-    let blobs = [Config::new(Kind::List), wide, wide.width(4)].map(|config| build(&mesh, &config));
-    let [list, wide, wide4] = blobs.each_ref().map(|blob| Scene::from_bytes(blob).expect("a good blob"));
+    let blobs = three(&mesh, [0.0; 3]);
     let mut random = Random::new(7);
     let mut number = |size: f32| (random.below(2001) as f32 / 1000.0 - 1.0) * size;
     let mut hits = 0;
@@ -193,19 +210,7 @@ fn distances_that_underflow_are_those_of_the_list() {
         // From outside too: what lies behind is at -0.0 then.
         let rays: Vec<_> =
             (0..256).map(|_| Ray::new([(); 3].map(|()| number(1.5e-30)), [(); 3].map(|()| number(size)))).collect();
-        let truth: Vec<_> = rays.iter().map(|ray| list.closest_hit(ray)).collect();
-        hits += truth.iter().flatten().count();
-        for (scene, isa) in Isa::all().flat_map(|isa| [(wide, isa), (wide4, isa)]) {
-            let scene = scene.with_isa(isa);
-            let (mut together, mut any) = (vec![None; rays.len()], vec![false; rays.len()]);
-            scene.closest_hits(&rays, &mut together);
-            scene.any_hits(&rays, &mut any);
-            for (((ray, truth), together), any) in rays.iter().zip(&truth).zip(together).zip(any) {
-                assert_eq!(bits(scene.closest_hit(ray)), bits(*truth), "{isa:?}, {ray:?}");
-                assert_eq!(bits(together), bits(*truth), "{isa:?}, many, {ray:?}");
-                assert_eq!((scene.any_hit(ray), any), (truth.is_some(), truth.is_some()), "{isa:?}, {ray:?}");
-            }
-        }
+        hits += agree(&blobs, &rays);
     }
     assert!(hits > 500, "{hits} hits only");
 }
@@ -220,9 +225,7 @@ fn rays_from_afar_hit_what_the_list_hits() {
         for position in &mut mesh.positions {
             *position = [0, 1, 2].map(|k| position[k] * SIZE + local[k]);
         }
-        let wide = Config::new(Kind::Wide);
-        let blobs = [Config::new(Kind::List), wide, wide.width(4)].map(|config| build(&mesh, &config.local(local)));
-        let [list, wide, wide4] = blobs.each_ref().map(|blob| Scene::from_bytes(blob).expect("a good blob"));
+        let blobs = three(&mesh, local);
         let mut random = Random::new(11);
         let mut number = |size: f32| (random.below(2001) as f32 / 1000.0 - 1.0) * size;
         let mut rays = vec![];
@@ -239,21 +242,7 @@ fn rays_from_afar_hit_what_the_list_hits() {
                 }
             }
         }
-        let truth: Vec<_> = rays.iter().map(|ray| list.closest_hit(ray)).collect();
-        hits += truth.iter().flatten().count();
-        for (scene, isa) in Isa::all().flat_map(|isa| [(wide, isa), (wide4, isa)]) {
-            let scene = scene.with_isa(isa);
-            let (mut together, mut any) = (vec![None; rays.len()], vec![false; rays.len()]);
-            scene.closest_hits(&rays, &mut together);
-            scene.any_hits(&rays, &mut any);
-            for (((ray, truth), together), any) in rays.iter().zip(&truth).zip(together).zip(any) {
-                let within = scene.closest_hit_within(ray, scene.limits().steps);
-                assert_eq!(within.map(bits), Ok(bits(*truth)), "{isa:?}, {ray:?}");
-                assert_eq!(bits(scene.closest_hit(ray)), bits(*truth), "{isa:?}, {ray:?}");
-                assert_eq!(bits(together), bits(*truth), "{isa:?}, many, {ray:?}");
-                assert_eq!((scene.any_hit(ray), any), (truth.is_some(), truth.is_some()), "{isa:?}, {ray:?}");
-            }
-        }
+        hits += agree(&blobs, &rays);
     }
     assert!(hits > 30, "{hits} hits only");
 }
