@@ -19,11 +19,6 @@ pub trait Meter {
     fn node(&mut self) -> bool;
     /// `n` primitives are about to be tested.
     fn prims(&mut self, n: u32) -> bool;
-    /// What is left of the budget; 0 where nobody asks.
-    #[inline(always)]
-    fn left(&self) -> u32 {
-        0
-    }
     /// The node or cell just visited has this box. For pictures: counting needs no box, and then none is made.
     #[inline(always)]
     fn at(&mut self, _bounds: impl FnOnce() -> Aabb) {}
@@ -58,11 +53,6 @@ impl Meter for Fuel {
     fn prims(&mut self, n: u32) -> bool {
         self.pay(n)
     }
-
-    #[inline(always)]
-    fn left(&self) -> u32 {
-        self.0
-    }
 }
 
 impl<M: Meter> Meter for &mut M {
@@ -74,11 +64,6 @@ impl<M: Meter> Meter for &mut M {
     #[inline(always)]
     fn prims(&mut self, n: u32) -> bool {
         (**self).prims(n)
-    }
-
-    #[inline(always)]
-    fn left(&self) -> u32 {
-        (**self).left()
     }
 
     #[inline(always)]
@@ -128,11 +113,6 @@ impl Meter for Tally {
     fn prims(&mut self, n: u32) -> bool {
         self.steps.prims = self.steps.prims.saturating_add(n);
         self.fuel.prims(n)
-    }
-
-    #[inline(always)]
-    fn left(&self) -> u32 {
-        self.fuel.left()
     }
 
     #[inline(always)]

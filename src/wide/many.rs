@@ -11,7 +11,7 @@ use crate::num::count;
 use crate::walk::heading::{Heading, PacketSize};
 use crate::walk::lanes::{Lanes, Work};
 use crate::walk::prepare::Given;
-use crate::walk::{Fuel, Isa, Meter, Stop, Tally};
+use crate::walk::{Fuel, Isa, Meter, Tally};
 
 /// Of eight rays so many must have one heading.
 const MOST: usize = 6;
@@ -19,8 +19,6 @@ const MOST: usize = 6;
 const STREAM: u32 = 8;
 /// The longest spell without a try of groups, in groups.
 const SPELL: u32 = 16;
-/// So many steps, at nodes and triangles, rays must go for a stream to be faster than rays alone.
-const PAYS: u32 = 7;
 /// From a ray to one an eighth of the group on, so many steps of seven may be far.
 const FAR_STEPS: usize = 1;
 /// A step in place is far from this share of the scene on, and one in direction from this share of its largest part.
@@ -28,35 +26,6 @@ const FAR: f32 = 0.04;
 
 /// Bytes of stack that a call for many rays takes at most beyond those of a query: a stream's and a group's.
 pub const SCRATCH: usize = size_of::<Option<Crowd>>() + size_of::<Team>();
-
-/// How far rays went that met the scene's box.
-#[derive(Clone, Copy, Default)]
-pub(super) struct Reach {
-    /// Nodes visited and triangles tested.
-    pub spent: u32,
-    pub rays: u32,
-}
-
-impl Reach {
-    #[inline(always)]
-    const fn add(&mut self, other: Self) {
-        self.spent = self.spent.saturating_add(other.spent);
-        self.rays = self.rays.saturating_add(other.rays);
-    }
-
-    /// Whether such rays are faster as a stream.
-    #[inline(always)]
-    const fn is_far(self) -> bool {
-        self.rays > 0 && self.spent / self.rays >= PAYS
-    }
-}
-
-/// The lowest `n` bits of those that are on.
-#[inline(always)]
-fn lowest(bits: u64, n: u32) -> u64 {
-    let above = (0..n).fold(bits, |rest, _| rest & rest.wrapping_sub(1));
-    bits & !above
-}
 
 /// What is given for a ray.
 pub(crate) trait Answer {
@@ -122,11 +91,11 @@ impl<A: Answer, M: Meter, const ANY: bool, const W: usize> Work for Placed<'_, '
 where
     Node<W>: Wide<W>,
 {
-    type Output = Result<u32, Stop>;
+    type Output = ();
 
     #[inline(always)]
-    fn run<L8: Lanes<8>, L4: Lanes<4>>(self) -> Self::Output {
-        self.query.put::<A, L8, L4>(self.answer)
+    fn run<L8: Lanes<8>, L4: Lanes<4>>(self) {
+        self.query.put::<A, L8, L4>(self.answer);
     }
 }
 
@@ -149,7 +118,7 @@ where
     #[allow(clippy::unnecessary_lazy_evaluations)] // a crowd is some 25 KiB, to be made once
     pub(crate) fn groups<A: Answer, P: Purse, const ANY: bool>(self, rays: &[Ray], answers: &mut [A], purse: &mut P) {
         // A stream's scratch, which a call without streams need not set to nothing.
-        let (mut crowd, mut reach) = (None, Reach::default());
+        let mut crowd = None;
         let (mut pause, mut spell) = (0u32, 1u32);
         for (rays, answers) in rays.chunks(RAYS).zip(answers.chunks_mut(RAYS)) {
             let mut left = u64::MAX >> (RAYS - rays.len().clamp(1, RAYS));
@@ -161,21 +130,11 @@ where
                 pause = spell;
             }
             if left.count_ones() >= STREAM && !self.prims.blocks.is_empty() {
-                // What went before counts half as much.
-                reach = Reach { spent: reach.spent / 2, rays: reach.rays / 2 };
-                if !reach.is_far() {
-                    let few = lowest(left, STREAM);
-                    reach.add(self.alone::<A, P, ANY>(few, rays, answers, purse));
-                    left &= !few;
-                }
-                if reach.is_far() {
-                    let crowd = crowd.get_or_insert_with(|| Crowd::EMPTY);
-                    let (many, which) = (self, left);
-                    left = self.isa.run(Stream::<_, _, ANY, W> { many, rays, answers, which, crowd, purse });
-                    reach.add(crowd.reach);
-                }
+                let crowd = crowd.get_or_insert_with(|| Crowd::EMPTY);
+                let (many, which) = (self, left);
+                left = self.isa.run(Stream::<_, _, ANY, W> { many, rays, answers, which, crowd, purse });
             }
-            reach.add(self.alone::<A, P, ANY>(left, rays, answers, purse));
+            self.alone::<A, P, ANY>(left, rays, answers, purse);
         }
     }
 
@@ -201,25 +160,16 @@ where
         }
     }
 
-    /// Some of up to 64 rays, one after another. Returns how far they went.
+    /// Some of up to 64 rays, one after another.
     #[inline(always)]
-    fn alone<A: Answer, P: Purse, const ANY: bool>(
-        self,
-        which: u64,
-        rays: &[Ray],
-        answers: &mut [A],
-        purse: &mut P,
-    ) -> Reach {
+    fn alone<A: Answer, P: Purse, const ANY: bool>(self, which: u64, rays: &[Ray], answers: &mut [A], purse: &mut P) {
         let Self { view, prims, place, fuel, isa } = self;
-        let mut reach = Reach::default();
         for (i, (ray, answer)) in rays.iter().zip(answers).enumerate() {
             if which >> i & 1 == 1 {
                 let query = Query::<_, ANY, W> { view, prims, ray: Given::new(ray), place, meter: purse.open(fuel) };
-                let spent = fuel.wrapping_sub(isa.run(Placed { query, answer }).unwrap_or(fuel));
-                reach.add(Reach { spent, rays: u32::from(spent != 0) });
+                isa.run(Placed { query, answer });
             }
         }
-        reach
     }
 
     /// The heading that most rays have, as far as eight of them tell; none if those differ, or if rays are far apart.

@@ -28,12 +28,12 @@ where
     #[inline(always)]
     fn run<L8: Lanes<8>, L4: Lanes<4>>(self) -> Self::Output {
         match self.enter::<L8, L4>() {
-            Entry::Quick(ray) => Ok(self.quick::<L8, L4>(&ray)?.0.hit()),
+            Entry::Quick(ray) => Ok(self.quick::<L8, L4>(&ray)?.hit()),
             Entry::Miss => Ok(None),
             // There it is not the rare way.
-            Entry::Whole if !In::<W, L8, L4>::QUICK => Ok(self.whole::<false, L8, L4>()?.0),
-            Entry::Whole => Ok(L8::call(Whole::<_, ANY, W, false>(self))?.0),
-            Entry::Mixed => Ok(L8::call(Whole::<_, ANY, W, true>(self))?.0),
+            Entry::Whole if !In::<W, L8, L4>::QUICK => self.whole::<false, L8, L4>(),
+            Entry::Whole => L8::call(Whole::<_, ANY, W, false>(self)),
+            Entry::Mixed => L8::call(Whole::<_, ANY, W, true>(self)),
         }
     }
 }
@@ -66,51 +66,50 @@ where
         }
     }
 
-    /// The best hit in blocks, and what is left of the budget.
+    /// The best hit in blocks.
     #[inline(always)]
-    fn quick<L8: Lanes<8>, L4: Lanes<4>>(self, ray: &Prepared) -> Result<(Best, u32), Stop> {
-        let Self { view, prims, ray: ref given, place, mut meter } = self;
+    fn quick<L8: Lanes<8>, L4: Lanes<4>>(self, ray: &Prepared) -> Result<Best, Stop> {
+        let Self { view, prims, ray: given, place, mut meter } = self;
         let (mut best, mut rest) = (Best::new(ray.t_max), Rest::new());
         walk::<W, ANY, true, false, In<W, L8, L4>, L4>(
             view,
             prims,
-            (ray, (given, place)),
+            (ray, (&given, place)),
             &mut rest,
             &mut best,
             &mut meter,
         )?;
-        Ok((best, meter.left()))
+        Ok(best)
     }
 
-    /// The hit among primitives of any kind, and what is left of the budget. Their tests point to the ray, so all of it is kept
-    /// at hand.
+    /// The hit among primitives of any kind. Their tests point to the ray, so all of it is kept at hand.
     #[inline(always)]
-    fn whole<const QUICK: bool, L8: Lanes<8>, L4: Lanes<4>>(self) -> Result<(Option<Hit>, u32), Stop> {
+    fn whole<const QUICK: bool, L8: Lanes<8>, L4: Lanes<4>>(self) -> Result<Option<Hit>, Stop> {
         let Self { view, prims, ray, place, mut meter } = self;
-        let Some(ray) = prepare::<L4>(&ray, place) else { return Ok((None, meter.left())) };
+        let Some(ray) = prepare::<L4>(&ray, place) else { return Ok(None) };
         let (mut best, mut rest) = (Best::new(ray.t_max), Rest::new());
         walk::<W, ANY, QUICK, true, In<W, L8, L4>, L4>(view, prims, (&ray, ()), &mut rest, &mut best, &mut meter)?;
-        Ok((best.hit().map(|hit| Hit { t: hit.t * ray.unit, ..hit }), meter.left()))
+        Ok(best.hit().map(|hit| Hit { t: hit.t * ray.unit, ..hit }))
     }
 
     /// Puts the answer where it belongs: handed back it would be moved as a whole right after it was written number by number,
-    /// and waited for. Returns what is left of the budget.
+    /// and waited for.
     #[inline(always)]
-    pub(super) fn put<A: Answer, L8: Lanes<8>, L4: Lanes<4>>(self, answer: &mut A) -> Result<u32, Stop> {
+    pub(super) fn put<A: Answer, L8: Lanes<8>, L4: Lanes<4>>(self, answer: &mut A) {
         *answer = A::new(None);
-        let (hit, left) = match self.enter::<L8, L4>() {
+        let hit = match self.enter::<L8, L4>() {
             Entry::Quick(ray) => {
-                let (best, left) = self.quick::<L8, L4>(&ray)?;
-                *answer = A::new(best.hit());
-                return Ok(left);
+                if let Ok(best) = self.quick::<L8, L4>(&ray) {
+                    *answer = A::new(best.hit());
+                }
+                return;
             }
-            Entry::Miss => return Ok(self.meter.left()),
-            Entry::Whole if !In::<W, L8, L4>::QUICK => self.whole::<false, L8, L4>()?,
-            Entry::Whole => L8::call(Whole::<_, ANY, W, false>(self))?,
-            Entry::Mixed => L8::call(Whole::<_, ANY, W, true>(self))?,
+            Entry::Miss => return,
+            Entry::Whole if !In::<W, L8, L4>::QUICK => self.whole::<false, L8, L4>(),
+            Entry::Whole => L8::call(Whole::<_, ANY, W, false>(self)),
+            Entry::Mixed => L8::call(Whole::<_, ANY, W, true>(self)),
         };
-        *answer = A::new(hit);
-        Ok(left)
+        *answer = A::new(hit.unwrap_or(None));
     }
 }
 
@@ -121,7 +120,7 @@ impl<M: Meter, const ANY: bool, const W: usize, const QUICK: bool> Work for Whol
 where
     Node<W>: Wide<W>,
 {
-    type Output = Result<(Option<Hit>, u32), Stop>;
+    type Output = Result<Option<Hit>, Stop>;
 
     #[inline(always)]
     fn run<L8: Lanes<8>, L4: Lanes<4>>(self) -> Self::Output {

@@ -11,7 +11,7 @@
 
 mod crowd;
 
-use super::many::{Answer, Many, Purse, Reach};
+use super::many::{Answer, Many, Purse};
 use super::slabs::Slabs;
 use super::walk::{Waiting, is_nearer, lane};
 use super::{In, Node, Wide};
@@ -77,9 +77,7 @@ where
         alone &= which;
         enter &= which;
         let mut meter = purse.open(many.fuel.saturating_mul(count(RAYS)));
-        let fuel = meter.left();
         let lost = crowd.walk::<ANY, W, In<W, L8, L4>, L4>(many, enter, &mut meter).unwrap_or(enter);
-        crowd.reach = Reach { spent: fuel.wrapping_sub(meter.left()), rays: enter.count_ones() };
         let mut answered = which & !alone & !lost;
         while answered != 0 {
             let i = index(answered.trailing_zeros());
@@ -98,8 +96,6 @@ pub(super) struct Crowd {
     best: [Best; RAYS],
     at: [Child; RAYS],
     len: [usize; RAYS],
-    /// How far the rays of the last stream went.
-    pub(super) reach: Reach,
     /// Children that wait, the nearest last, above an entry that is none.
     stack: [[Waiting; DEPTH]; RAYS],
 }
@@ -133,7 +129,6 @@ impl Crowd {
         best: [Best::new(0.0); RAYS],
         at: [Child::NONE; RAYS],
         len: [0; RAYS],
-        reach: Reach { spent: 0, rays: 0 },
         stack: [[(Child::NONE, 0.0); DEPTH]; RAYS],
     };
 

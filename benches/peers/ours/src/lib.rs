@@ -178,7 +178,7 @@ pub unsafe extern "C" fn flashray_closest(
         Mode::Group => {
             let (mut questions, mut answers) = ([asked(&NONE); CALL], [None; CALL]);
             for (rays, hits) in rays.chunks(CALL).zip(hits.chunks_mut(CALL)) {
-                questions.iter_mut().zip(rays).for_each(|(question, ray)| *question = asked(ray));
+                ask_all(&mut questions, rays);
                 scene.closest_hits(&questions[..rays.len()], &mut answers);
                 hits.iter_mut().zip(&answers).for_each(|(hit, answer)| *hit = told(*answer));
             }
@@ -207,7 +207,7 @@ pub unsafe extern "C" fn flashray_any(
         Mode::Group => {
             let mut questions = [asked(&NONE); CALL];
             for (rays, found) in rays.chunks(CALL).zip(found.chunks_mut(CALL)) {
-                questions.iter_mut().zip(rays).for_each(|(question, ray)| *question = asked(ray));
+                ask_all(&mut questions, rays);
                 scene.any_hits(&questions[..rays.len()], found);
             }
         }
@@ -225,7 +225,15 @@ fn ask(handle: &Handle, row: usize) -> Option<(Scene<'static>, Mode)> {
 }
 
 fn asked(ray: &Ray) -> flashray::Ray {
-    flashray::Ray::new(ray.o, ray.d).within(0.0, ray.tmax)
+    flashray::Ray { origin: ray.o, dir: ray.d, t_min: 0.0, t_max: ray.tmax }
+}
+
+/// Field by field: a ray made in one place and moved to another as a whole is waited for there.
+fn ask_all(questions: &mut [flashray::Ray], rays: &[Ray]) {
+    for (question, ray) in questions.iter_mut().zip(rays) {
+        (question.origin, question.dir) = (ray.o, ray.d);
+        (question.t_min, question.t_max) = (0.0, ray.tmax);
+    }
 }
 
 fn told(hit: Option<flashray::Hit>) -> Hit {
