@@ -8,8 +8,9 @@ use indicatif::ProgressBar;
 use std::hint::black_box;
 use std::time::Instant;
 
-/// Rays of a call, in all modes but the single one.
-const CALL: usize = 64;
+/// Rays of a call, in all modes but the single one: so many that what a call costs by itself, such as to clear the scratch of a
+/// stream, is little beside them.
+const CALL: usize = 1024;
 
 /// Nanoseconds per ray of one way in each round: for each kind of rays, and for rays that miss everything.
 #[derive(Clone, Default)]

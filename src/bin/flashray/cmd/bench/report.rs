@@ -53,7 +53,7 @@ const GROUP: usize = 64;
 
 const LEGEND: &str = "\
     Mrays/s: millions of rays a second on one thread, caches warm; the median of the rounds, and the quartiles around \
-    it. In a round all rows take turns. Modes: single asks ray by ray, the others hand over 64 rays at a time. Camera \
+    it. In a round all rows take turns. Modes: single asks ray by ray, the others hand over 1024 rays at a time. Camera \
     rays (primary) come in squares of 8 by 8 pixels; diffuse and shadow rays start where those hit, in their order; \
     chords (random) run between points on a sphere around all. Shadow rays ask for any hit, the others for the \
     closest. a miss: a ray that does not come near the scene's box. Nodes visited and primitives tested are those of \
