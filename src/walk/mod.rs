@@ -63,6 +63,9 @@ pub struct Best {
 }
 
 impl Best {
+    /// All zeros, to be written over.
+    pub const ZERO: Self = Self { t: 0.0, u: 0.0, v: 0.0, prim: 0 };
+
     /// Nothing yet, up to `t_max`.
     #[inline(always)]
     #[must_use]

@@ -17,6 +17,8 @@ use crate::walk::{Fuel, Isa, Meter, Tally};
 const MOST: usize = 6;
 /// So many rays make a stream.
 const STREAM: u32 = 8;
+/// So many make the first of a call, for which the scratch has to be cleared.
+const FIRST_STREAM: u32 = 32;
 /// The longest spell without a try of groups, in groups.
 const SPELL: u32 = 16;
 /// From a ray to one an eighth of the group on, so many steps of seven may be far.
@@ -129,7 +131,8 @@ where
                 spell = if left.count_ones() * 2 > count(rays.len()) { (spell * 4).min(SPELL) } else { 1 };
                 pause = spell;
             }
-            if left.count_ones() >= STREAM && !self.prims.blocks.is_empty() {
+            let least = if crowd.is_some() { STREAM } else { FIRST_STREAM };
+            if left.count_ones() >= least && !self.prims.blocks.is_empty() {
                 let crowd = crowd.get_or_insert_with(|| Crowd::EMPTY);
                 let (many, which) = (self, left);
                 left = self.isa.run(Stream::<_, _, ANY, W> { many, rays, answers, which, crowd, purse });

@@ -3,6 +3,7 @@
 //! On each lane the steps are those of [`Entered`](crate::walk::prepare::Entered), in the same order, so that the numbers
 //! have the same bits.
 use super::RAYS;
+use crate::bvh::Face;
 use crate::bvh::walk::Rows;
 use crate::geom::hit::Crossing;
 use crate::geom::place::Place;
@@ -105,6 +106,7 @@ fn three(rows: &[Each; 3], i: usize) -> Vec3 {
 }
 
 impl Rays {
+    /// All zeros, as all of a [`Crowd`](super::Crowd).
     pub(crate) const EMPTY: Self = {
         let zero = [[0.0; AT_ONCE]; RAYS / AT_ONCE];
         Self {
@@ -121,7 +123,7 @@ impl Rays {
             t_min: zero,
             t_max: zero,
             negative: [[0; AT_ONCE]; RAYS / AT_ONCE],
-            rows: [ROWS[0]; RAYS],
+            rows: [Rows { near: [Face::MinX; 3], far: [Face::MinX; 3] }; RAYS],
             kz: [[0; AT_ONCE]; RAYS / AT_ONCE],
         }
     };

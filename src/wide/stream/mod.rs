@@ -124,9 +124,10 @@ impl Queue {
 }
 
 impl Crowd {
+    /// All zeros: that is written, where other numbers would be copied from memory.
     pub(super) const EMPTY: Self = Self {
         rays: Rays::EMPTY,
-        best: [Best::new(0.0); RAYS],
+        best: [Best::ZERO; RAYS],
         at: [Child::NONE; RAYS],
         len: [0; RAYS],
         stack: [[(Child::NONE, 0.0); DEPTH]; RAYS],
