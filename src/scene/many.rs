@@ -20,7 +20,8 @@ impl Scene<'_> {
     /// if the scene is made of triangles: each node and triangle is loaded once for all of them. What suits them is found
     /// out from a few. So neighbours should stand side by side, such as pixels in tiles of 8 by 8, those in tiles of
     /// 4 by 4 and of 4 by 2. The answers are the same in any order. Of rays from everywhere 64 go their own ways on `wide`,
-    /// in turns, so that one need not wait for another's memory. Elsewhere they are answered one after another; so are
+    /// in turns, so that one need not wait for another's memory; the more a call has the better, and less than 32 go one after
+    /// another. Elsewhere they are answered one after another; so are
     /// those in scenes with other primitives, because these are tested ray by ray, and those of different directions where
     /// the library has no lanes ([`Isa::SCALAR`](crate::walk::Isa::SCALAR)).
     ///
