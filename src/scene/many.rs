@@ -21,9 +21,9 @@ impl Scene<'_> {
     /// out from a few. So neighbours should stand side by side, such as pixels in tiles of 8 by 8, those in tiles of
     /// 4 by 4 and of 4 by 2. The answers are the same in any order. Of rays from everywhere 64 go their own ways on `wide`,
     /// in turns, so that one need not wait for another's memory; the more a call has the better, and less than 32 go one after
-    /// another. Elsewhere they are answered one after another; so are
-    /// those in scenes with other primitives, because these are tested ray by ray, and those of different directions where
-    /// the library has no lanes ([`Isa::SCALAR`](crate::walk::Isa::SCALAR)).
+    /// another. Elsewhere they are answered one after another; so are those in scenes with other primitives, because these
+    /// are tested ray by ray, and those of different directions where the library has no lanes
+    /// ([`Isa::SCALAR`](crate::walk::Isa::SCALAR)).
     ///
     /// A call takes at most [`STREAM_SCRATCH`](crate::walk::STREAM_SCRATCH) bytes of stack more than a single ray's on
     /// `wide` and [`GROUP_SCRATCH`](crate::walk::GROUP_SCRATCH) elsewhere, however many rays there are.
