@@ -3,6 +3,7 @@ use super::aabb::Aabb;
 use super::place::Place;
 use super::vec::{Vec3, add_scaled, least, most, scale, size, sub};
 use crate::walk::lanes::{self, Lanes};
+use bytemuck::{Pod, Zeroable};
 
 /// A ray: the points `origin + t dir` for `t` in `[t_min, t_max]`, both ends included.
 ///
@@ -14,7 +15,16 @@ use crate::walk::lanes::{self, Lanes};
 /// let ray = Ray::new([0.0, 0.0, 5.0], [0.0, 0.0, -1.0]);
 /// assert_eq!((ray.t_min, ray.t_max), (0.0, f32::INFINITY));
 /// ```
-#[derive(Clone, Copy, Debug, PartialEq)]
+///
+/// Its eight numbers stand in memory in the order of the fields, so that a buffer of numbers can be read as rays:
+///
+/// ```
+/// use flashray::Ray;
+/// let numbers = [0.0, 0.0, 5.0, 0.0, 0.0, -1.0, 0.0, f32::INFINITY];
+/// assert_eq!(bytemuck::cast_slice::<f32, Ray>(&numbers), [Ray::new([0.0, 0.0, 5.0], [0.0, 0.0, -1.0])]);
+/// ```
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 pub struct Ray {
     /// Start, in scene units.
     pub origin: [f32; 3],
@@ -27,6 +37,17 @@ pub struct Ray {
 }
 
 impl Ray {
+    /// Of `N` rays the numbers of the fields, each in a row: the origin's, the direction's, `t_min` and `t_max`.
+    #[inline(always)]
+    pub(crate) fn columns<const N: usize, L: Lanes<N>>(rays: [&Self; N]) -> ([L; 3], [L; 3], L, L) {
+        let mut rows = [&[0.0; 8]; N];
+        for i in 0..N {
+            rows[i] = bytemuck::cast_ref(rays[i]);
+        }
+        let [a, b, c, d, e, f, t_min, t_max] = L::columns(rows);
+        ([a, b, c], [d, e, f], t_min, t_max)
+    }
+
     /// A ray from `origin` along `dir` with `t` from 0 to infinity.
     pub fn new(origin: impl Into<[f32; 3]>, dir: impl Into<[f32; 3]>) -> Self {
         Self { origin: origin.into(), dir: dir.into(), t_min: 0.0, t_max: f32::INFINITY }

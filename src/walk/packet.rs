@@ -12,7 +12,7 @@ use crate::blob::block::Block;
 use crate::geom::place::Place;
 use crate::geom::ray::{Axis, ORIGIN_PAD, PAD, Prepared, blurs, doubts};
 use crate::geom::triangle::{LEAST_DET, MOST_CANCELLED, MOST_DET};
-use crate::geom::vec::{Vec3, least, most};
+use crate::geom::vec::Vec3;
 use crate::geom::{Hit, Ray};
 use crate::num::index;
 pub(crate) use range::Range;
@@ -65,17 +65,13 @@ impl<const N: usize> Packet<N> {
     /// lanes the ray has the heading: the others are not prepared rightly.
     #[inline(always)]
     pub(crate) fn set<L: Lanes<N>>(&mut self, rays: &[Ray; N], live: u32, heading: Heading, place: &Place<'_>) -> u32 {
-        let (mut origin, mut dir, mut t_min, mut t_max) = ([[0.0; N]; 3], [[0.0; N]; 3], [0.0; N], [0.0; N]);
-        for (i, ray) in rays.iter().enumerate() {
-            let i = i % N;
-            for k in 0..3 {
-                (origin[k][i], dir[k][i]) = (ray.origin[k], ray.dir[k]);
-            }
-            (t_min[i], t_max[i]) = (ray.t_min, ray.t_max);
+        let mut each = [&rays[0]; N];
+        for i in 0..N {
+            each[i] = &rays[i];
         }
-        let (given, zero) = ([L::load(&origin[0]), L::load(&origin[1]), L::load(&origin[2])], L::splat(0.0));
-        let dir = [L::load(&dir[0]) + zero, L::load(&dir[1]) + zero, L::load(&dir[2]) + zero];
-        let (t_min, t_max) = (L::load(&t_min), L::load(&t_max));
+        let (given, dir, t_min, t_max) = Ray::columns::<N, L>(each);
+        let zero = L::splat(0.0);
+        let dir = [dir[0] + zero, dir[1] + zero, dir[2] + zero];
         let good = heading.is::<N, L>(&dir) & t_min.le(t_max);
 
         let local = place.local;
@@ -109,30 +105,18 @@ impl<const N: usize> Packet<N> {
         good
     }
 
-    /// Tests the triangles in the first `len` lanes of a block. Returns the rays that hit.
+    /// Tests the triangle in a lane of a block. Returns the rays that hit.
     #[inline(always)]
-    pub(crate) fn test<const ANY: bool, L: Lanes<N>>(&mut self, heading: Heading, block: &Block, len: u32) -> u32 {
-        let (kx, ky) = heading.kz.others();
-        let (kx, ky, kz) = (kx.at(), ky.at(), heading.kz.at());
-        let [a, b, c] = &block.corners;
-        let mut hits = 0;
-        for lane in 0..index(len).min(4) {
-            let turn = |v: &[[f32; 4]; 3]| [v[kx][lane], v[ky][lane], v[kz][lane]];
-            let turned = [turn(a), turn(b), turn(c)];
-            hits |= self.triangle::<ANY, L>(heading, block, lane, &turned);
-        }
-        hits
-    }
-
-    #[inline(always)]
-    fn triangle<const ANY: bool, L: Lanes<N>>(
+    pub(crate) fn test<const ANY: bool, L: Lanes<N>>(
         &mut self,
         heading: Heading,
         block: &Block,
         lane: usize,
-        corners: &[Vec3; 3],
+        boxes: &Boxes,
     ) -> u32 {
         let (kx, ky) = heading.kz.others();
+        let lane = lane % 4;
+        let corners = block.corners.each_ref().map(|v| [v[kx.at()][lane], v[ky.at()][lane], v[heading.kz.at()][lane]]);
         let row = |k: Axis| L::load(&self.origin[k.at()]);
         let origin = [row(kx), row(ky), row(heading.kz)];
         let shear = [L::load(&self.shear[0]), L::load(&self.shear[1])];
@@ -168,7 +152,7 @@ impl<const N: usize> Packet<N> {
             hits |= self.again::<ANY>(heading, block, lane, index(odd.trailing_zeros()));
             odd &= odd - 1;
         }
-        let (near, far) = self.slab::<L>(heading, block, lane);
+        let (near, far) = self.slab::<L>(boxes, lane);
         let inv_kz = L::load(&self.inv[heading.kz.at()]);
         let t = depth / det * inv_kz;
         let t = far.least(near.most(t)) + zero;
@@ -216,16 +200,12 @@ impl<const N: usize> Packet<N> {
 
     /// The slab test of a triangle's own box.
     #[inline(always)]
-    fn slab<L: Lanes<N>>(&self, heading: Heading, block: &Block, lane: usize) -> (L, L) {
-        let [a, b, c] = &block.corners;
+    fn slab<L: Lanes<N>>(&self, boxes: &Boxes, lane: usize) -> (L, L) {
         let (mut near, mut far) = (L::splat(f32::NEG_INFINITY), L::splat(f32::INFINITY));
         for k in 0..3 {
-            let (a, b, c) = (a[k][lane % 4], b[k][lane % 4], c[k][lane % 4]);
-            let (min, max) = (least(c, least(b, a)), most(c, most(b, a)));
-            let (first, last) = if heading.negative[k] { (max, min) } else { (min, max) };
             let inv = L::load(&self.inv[k]);
-            near = ((L::splat(first) - L::load(&self.near_origin[k])) * inv).most(near);
-            far = ((L::splat(last) - L::load(&self.far_origin[k])) * inv).least(far);
+            near = ((L::splat(boxes.first[k][lane % 4]) - L::load(&self.near_origin[k])) * inv).most(near);
+            far = ((L::splat(boxes.last[k][lane % 4]) - L::load(&self.far_origin[k])) * inv).least(far);
         }
         (near, far)
     }
@@ -298,6 +278,28 @@ impl<const N: usize> Packet<N> {
             far = ((L::splat(last[k]) - L::load(&self.far_origin[k])) * inv).least(far);
         }
         near.le(far)
+    }
+}
+
+/// The boxes of a block's triangles, as rays of a heading meet them.
+pub(crate) struct Boxes {
+    /// The planes that they meet first.
+    pub(crate) first: [[f32; 4]; 3],
+    /// And those that they meet last.
+    pub(crate) last: [[f32; 4]; 3],
+}
+
+impl Boxes {
+    #[inline(always)]
+    pub(crate) fn new<L: Lanes<4>>(heading: Heading, block: &Block) -> Self {
+        let (mut first, mut last) = ([[0.0; 4]; 3], [[0.0; 4]; 3]);
+        let [a, b, c] = &block.corners;
+        for k in 0..3 {
+            let (a, b, c) = (L::load(&a[k]), L::load(&b[k]), L::load(&c[k]));
+            let (min, max) = (c.least(b.least(a)).store(), c.most(b.most(a)).store());
+            (first[k], last[k]) = if heading.negative[k] { (max, min) } else { (min, max) };
+        }
+        Self { first, last }
     }
 }
 

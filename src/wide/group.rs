@@ -5,7 +5,8 @@
 //! whole group, then each that is left against all packets, a packet in each lane. The distance of a plane from any of some
 //! rays is no less than that from the extreme origin times the extreme inverse (Reshetov, Soupikov and Hurley,
 //! "Multi-Level Ray Tracing Algorithm", ACM TOG 24(3), 2005), and since every step rounds monotonically, an interval never
-//! leaves out what a ray of it meets. Rays themselves are tested against triangles alone, eight at a time.
+//! leaves out what a ray of it meets. A triangle's own box goes the same way before the rays of a packet are tested, eight
+//! at a time: a hit is one only if the ray meets that box, too (`admitted` in [`crate::geom::triangle`]).
 //!
 //! Why an interval may be trusted, on an axis of positive directions (the other is its mirror image): a ray's own distance
 //! of a nearer plane `p` is `(p - o) * inv`, rounded twice. The interval has `x = p - o'` with `o' >= o`, so `x` is no
@@ -14,18 +15,18 @@
 //! alone, where a ray runs along the plane: then the extreme of the two products is NaN, too, and constrains nothing, as
 //! for the ray.
 use super::many::{Answer, Many, Purse};
+use super::team::Team;
 use super::{In, Node, STACK, View, Wide};
 use crate::blob::block::{Block, LANES};
 use crate::blob::prims::Prims;
-use crate::bvh::Child;
 use crate::bvh::tree::root;
 use crate::bvh::walk::Rows;
+use crate::bvh::{Child, Face};
 use crate::geom::Ray;
-use crate::geom::place::Place;
-use crate::num::{count, index};
+use crate::num::index;
 use crate::walk::heading::Heading;
 use crate::walk::lanes::{Lanes, Work};
-use crate::walk::packet::{Packet, Range};
+use crate::walk::packet::Boxes;
 use crate::walk::{Meter, Stop};
 
 /// Rays of a group.
@@ -33,7 +34,7 @@ pub const RAYS: usize = 64;
 /// Rays of a packet.
 pub(super) const AT_ONCE: usize = 8;
 /// Packets of a group.
-const PACKETS: usize = RAYS / AT_ONCE;
+pub(super) const PACKETS: usize = RAYS / AT_ONCE;
 /// Of one heading there must be so many to walk together.
 const LEAST: u32 = 8;
 
@@ -72,7 +73,7 @@ where
             if team.set::<L8>(rays, mine, heading, many.place) {
                 // Also where an unchecked blob contradicts itself: rays that do not come there get an answer.
                 let meter = purse.open(many.fuel);
-                let ok = team.walk::<ANY, W, L8, In<W, L8, L4>>(many.view, many.prims, heading, meter).is_ok();
+                let ok = team.walk::<ANY, W, L8, L4, In<W, L8, L4>>(many.view, many.prims, heading, meter).is_ok();
                 let mut slot = 0usize;
                 for (i, answer) in answers.iter_mut().enumerate() {
                     if mine >> i & 1 == 1 {
@@ -111,135 +112,13 @@ fn of_heading(rays: &[Ray], heading: Option<Heading>) -> u64 {
     rays.iter().rev().fold(0, |all, ray| all << 1 | u64::from(Heading::new(ray) == heading))
 }
 
-/// A number of each packet.
-type Each = [f32; PACKETS];
-
-/// Packets that walk together.
-#[cfg_attr(target_arch = "x86_64", repr(align(32)))]
-pub(super) struct Team {
-    packets: [Packet<AT_ONCE>; PACKETS],
-    /// Which packets there are.
-    used: u32,
-    /// Their extremes.
-    near_origin: [Each; 3],
-    far_origin: [Each; 3],
-    small: [Each; 3],
-    large: [Each; 3],
-    t_min: Each,
-    /// The farthest that any ray of each still has to look.
-    t: Each,
-}
-
 /// A child that waits: where its box begins at the earliest, and the packets that may meet it.
 type Waiting = (Child, f32, u32);
 
 impl Team {
-    const EMPTY: Self = {
-        let zero = [0.0; PACKETS];
-        Self {
-            packets: [Packet::EMPTY; PACKETS],
-            used: 0,
-            near_origin: [zero; 3],
-            far_origin: [zero; 3],
-            small: [zero; 3],
-            large: [zero; 3],
-            t_min: zero,
-            t: [f32::NEG_INFINITY; PACKETS],
-        }
-    };
-
-    /// Takes some of the rays. Returns whether all have the heading.
-    #[inline(always)]
-    fn set<L: Lanes<8>>(&mut self, rays: &[Ray], mine: u64, heading: Heading, place: &Place<'_>) -> bool {
-        let rays_left = index(mine.count_ones());
-        let in_row = mine & mine.wrapping_add(1) == 0;
-        let (mut good, mut mine) = (true, mine);
-        for (c, packet) in self.packets.iter_mut().enumerate().take(rays_left.div_ceil(AT_ONCE)) {
-            let live = rays_left.saturating_sub(c * AT_ONCE).clamp(1, AT_ONCE);
-            let given = rays.get(c * AT_ONCE..).and_then(|rays| rays.first_chunk::<AT_ONCE>());
-            let mut picked = [Ray { origin: [0.0; 3], dir: [0.0; 3], t_min: 0.0, t_max: 0.0 }; AT_ONCE];
-            let eight = match given {
-                Some(eight) if in_row && live == AT_ONCE => {
-                    mine &= u64::MAX.checked_shl(count((c + 1) * AT_ONCE)).unwrap_or(0);
-                    eight
-                }
-                _ => {
-                    // Lanes that are left over repeat the last ray: an interval is then no wider for them.
-                    for lane in &mut picked {
-                        *lane = rays.get(index(mine.trailing_zeros())).copied().unwrap_or(*lane);
-                        let rest = mine & mine.wrapping_sub(1);
-                        mine = if rest == 0 { mine } else { rest };
-                    }
-                    &picked
-                }
-            };
-            let own = packet.set::<L>(eight, u32::MAX >> (32 - live), heading, place);
-            good &= own & 255 == 255;
-            let c = c % PACKETS;
-            let range = packet.range::<L>(heading);
-            for k in 0..3 {
-                self.near_origin[k][c] = range.near_origin[k];
-                self.far_origin[k][c] = range.far_origin[k];
-                self.small[k][c] = range.small[k];
-                self.large[k][c] = range.large[k];
-            }
-            self.t_min[c] = range.t_min;
-            self.t[c] = packet.farthest::<L>();
-            self.used |= 1 << c;
-        }
-        good
-    }
-
-    /// The extremes of all packets.
-    #[inline(always)]
-    fn range(&self, heading: Heading) -> Range {
-        let used = |c: usize| self.used >> c & 1 == 1;
-        let end = |row: &Each, greatest: bool| {
-            let all = row.iter().enumerate().filter(|(c, _)| used(*c)).map(|(_, &x)| x);
-            all.reduce(|a, b| if (a > b) == greatest { a } else { b }).unwrap_or(0.0)
-        };
-        let mut range = Range { t_min: end(&self.t_min, false), ..Range::EMPTY };
-        for k in 0..3 {
-            let negative = heading.negative[k];
-            range.near_origin[k] = end(&self.near_origin[k], !negative);
-            range.far_origin[k] = end(&self.far_origin[k], negative);
-            range.small[k] = end(&self.small[k], negative);
-            range.large[k] = end(&self.large[k], !negative);
-        }
-        range
-    }
-
-    /// The extremes of one packet.
-    #[inline(always)]
-    fn one(&self, packet: u32) -> Range {
-        let c = index(packet) % PACKETS;
-        let row = |rows: &[Each; 3]| [rows[0][c], rows[1][c], rows[2][c]];
-        Range {
-            near_origin: row(&self.near_origin),
-            far_origin: row(&self.far_origin),
-            small: row(&self.small),
-            large: row(&self.large),
-            t_min: self.t_min[c],
-        }
-    }
-
-    /// Which packets may meet a child's box.
-    #[inline(always)]
-    fn meet<const W: usize, L: Lanes<8>>(&self, rows: Rows, node: &Node<W>, lane: usize) -> u32 {
-        let (mut near, mut far) = (L::load(&self.t_min), L::load(&self.t));
-        for k in 0..3 {
-            let (small, large) = (L::load(&self.small[k]), L::load(&self.large[k]));
-            let x = L::splat(node.planes[rows.near[k].at()][lane % W]) - L::load(&self.near_origin[k]);
-            near = (x * small).least(x * large).most(near);
-            let x = L::splat(node.planes[rows.far[k].at()][lane % W]) - L::load(&self.far_origin[k]);
-            far = (x * small).most(x * large).least(far);
-        }
-        near.le(far)
-    }
-
     /// All rays, node by node.
     #[inline(always)]
-    fn walk<const ANY: bool, const W: usize, L: Lanes<8>, LW: Lanes<W>>(
+    fn walk<const ANY: bool, const W: usize, L: Lanes<8>, L4: Lanes<4>, LW: Lanes<W>>(
         &mut self,
         view: &View<'_, W>,
         prims: &Prims<'_>,
@@ -247,7 +126,7 @@ impl Team {
         mut meter: impl Meter,
     ) -> Result<(), Stop> {
         let rows = Rows::of(heading.negative);
-        let range = self.range(heading);
+        let range = self.range::<L>(heading);
         let mut stack = heapless::Vec::<Waiting, { index(STACK) }>::new();
         let (mut at, mut packets) = (root(view.nodes, prims.len), self.used);
         let mut farthest = L::load(&self.t).greatest();
@@ -260,18 +139,22 @@ impl Team {
                 patience = patience.checked_sub(NODE_WORK).ok_or(Stop::Fuel)?;
                 let node = view.nodes.get(index(at.number())).ok_or(Stop::Corrupt)?;
                 let one = packets.is_power_of_two();
+                let row = |face: Face| &node.planes[face.at()];
+                let (first, last) = (rows.near.map(row), rows.far.map(row));
                 let (mut maybe, near) = if one {
                     let packet = packets.trailing_zeros();
-                    self.one(packet).meet::<W, LW>(rows, node, self.t[index(packet) % PACKETS])
+                    self.one(packet).meet::<W, LW>(first, last, self.t[index(packet) % PACKETS])
                 } else {
-                    range.meet::<W, LW>(rows, node, farthest)
+                    range.meet::<W, LW>(first, last, farthest)
                 };
                 let near = near.store();
                 let mut sorted = 0usize;
                 while maybe != 0 {
                     let lane = index(maybe.trailing_zeros()) % W;
                     maybe &= maybe - 1;
-                    let met = if one { packets } else { packets & self.meet::<W, L>(rows, node, lane) };
+                    let plane = |face: Face| node.planes[face.at()][lane];
+                    let met =
+                        if one { packets } else { packets & self.meet::<L>(rows.near.map(plane), rows.far.map(plane)) };
                     if met == 0 {
                         continue;
                     }
@@ -294,7 +177,7 @@ impl Team {
                 patience = patience.checked_sub(work).ok_or(Stop::Fuel)?;
                 let first = index(at.number());
                 let blocks = prims.blocks.get(first..).and_then(|b| b.get(..index(at.len().div_ceil(LANES))));
-                if self.leaf::<ANY, L>(heading, blocks.ok_or(Stop::Corrupt)?, at.len(), packets) {
+                if self.leaf::<ANY, L, L4>(heading, blocks.ok_or(Stop::Corrupt)?, at.len(), packets) {
                     farthest = L::load(&self.t).greatest();
                 }
             }
@@ -310,26 +193,40 @@ impl Team {
 
     /// Some packets against a leaf. Returns whether any ray hit.
     #[inline(always)]
-    fn leaf<const ANY: bool, L: Lanes<8>>(
+    fn leaf<const ANY: bool, L: Lanes<8>, L4: Lanes<4>>(
         &mut self,
         heading: Heading,
         blocks: &[Block],
-        len: u32,
-        mut packets: u32,
+        mut left: u32,
+        packets: u32,
     ) -> bool {
         let mut any = false;
-        while packets != 0 {
-            let c = index(packets.trailing_zeros()) % PACKETS;
-            packets &= packets - 1;
-            let packet = &mut self.packets[c];
-            let (mut hits, mut left) = (0, len);
-            for block in blocks {
-                hits |= packet.test::<ANY, L>(heading, block, left);
-                left = left.saturating_sub(LANES);
+        let (one, alone) = (packets.is_power_of_two(), index(packets.trailing_zeros()) % PACKETS);
+        for block in blocks {
+            let boxes = Boxes::new::<L4>(heading, block);
+            let here = u32::MAX >> (32 - left.clamp(1, LANES));
+            left = left.saturating_sub(LANES);
+            // One packet meets four boxes at a time, more meet one.
+            let mut lanes = here;
+            if one {
+                let (first, last) = (boxes.first.each_ref(), boxes.last.each_ref());
+                lanes &= self.one(packets.trailing_zeros()).meet::<4, L4>(first, last, self.t[alone]).0;
             }
-            if hits != 0 {
-                self.t[c] = packet.farthest::<L>();
-                any = true;
+            while lanes != 0 {
+                let lane = index(lanes.trailing_zeros()) % 4;
+                lanes &= lanes - 1;
+                let plane = |row: [f32; 4]| row[lane];
+                let mut met =
+                    if one { packets } else { packets & self.meet::<L>(boxes.first.map(plane), boxes.last.map(plane)) };
+                while met != 0 {
+                    let c = index(met.trailing_zeros()) % PACKETS;
+                    met &= met - 1;
+                    let packet = &mut self.packets[c];
+                    if packet.test::<ANY, L>(heading, block, lane, &boxes) != 0 {
+                        self.t[c] = packet.farthest::<L>();
+                        any = true;
+                    }
+                }
             }
         }
         any

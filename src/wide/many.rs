@@ -1,7 +1,8 @@
 //! Many rays a call: how they are answered.
-use super::group::{AT_ONCE, Group, RAYS, Team};
+use super::group::{AT_ONCE, Group, RAYS};
 use super::packet::Packets;
 use super::stream::{Crowd, Stream};
+use super::team::Team;
 use super::{Node, Query, View, Wide};
 use crate::blob::prims::Prims;
 use crate::geom::place::Place;

@@ -35,6 +35,7 @@ mod packet;
 mod query;
 mod slabs;
 mod stream;
+mod team;
 mod walk;
 
 pub use many::SCRATCH as STREAM_SCRATCH;

@@ -14,7 +14,7 @@ use crate::num::index;
 use crate::walk::Stop;
 use crate::walk::heading::{Heading, PacketSize};
 use crate::walk::lanes::{Lanes, Two, Work};
-use crate::walk::packet::Packet;
+use crate::walk::packet::{Boxes, Packet};
 
 /// A packet, to be compiled for each instruction set.
 pub(super) struct Packets<'q, 'a, 'r, A, const ANY: bool, const W: usize> {
@@ -34,9 +34,9 @@ where
     #[inline(always)]
     fn run<L8: Lanes<8>, L4: Lanes<4>>(self) -> u64 {
         match self.of {
-            PacketSize::Four => self.answer::<4, L4, In<W, L8, L4>>(),
-            PacketSize::Eight => self.answer::<8, L8, In<W, L8, L4>>(),
-            PacketSize::Sixteen => self.answer::<16, Two<L8>, In<W, L8, L4>>(),
+            PacketSize::Four => self.answer::<4, L4, L4, In<W, L8, L4>>(),
+            PacketSize::Eight => self.answer::<8, L8, L4, In<W, L8, L4>>(),
+            PacketSize::Sixteen => self.answer::<16, Two<L8>, L4, In<W, L8, L4>>(),
         }
     }
 }
@@ -44,7 +44,7 @@ where
 impl<A: Answer, const ANY: bool, const W: usize> Packets<'_, '_, '_, A, ANY, W> {
     /// Rays of one heading together, those of the next after them. Returns the rays that are not answered.
     #[inline(always)]
-    fn answer<const N: usize, L: Lanes<N>, LW: Lanes<W>>(self) -> u64 {
+    fn answer<const N: usize, L: Lanes<N>, L4: Lanes<4>, LW: Lanes<W>>(self) -> u64 {
         let Self { many, rays, answers, .. } = self;
         let (mut left, mut alone) = (u32::MAX >> (32 - rays.len().clamp(1, N)), 0);
         while let Some(first) = rays.get(index(left.trailing_zeros())) {
@@ -68,7 +68,7 @@ impl<A: Answer, const ANY: bool, const W: usize> Packets<'_, '_, '_, A, ANY, W> 
                 alone |= mine;
                 continue;
             }
-            let ok = walk::<ANY, N, W, L, LW>(&mut packet, many, heading, mine).is_ok();
+            let ok = walk::<ANY, N, W, L, L4, LW>(&mut packet, many, heading, mine).is_ok();
             for (i, answer) in answers.iter_mut().enumerate() {
                 if mine >> i & 1 == 1 {
                     // As for one ray: what contradicts itself is a miss.
@@ -85,7 +85,7 @@ type Waiting = (Child, f32, u32);
 
 /// Finds the closest hits of the rays, or with `ANY` whether there are any.
 #[inline(always)]
-fn walk<const ANY: bool, const N: usize, const W: usize, L: Lanes<N>, LW: Lanes<W>>(
+fn walk<const ANY: bool, const N: usize, const W: usize, L: Lanes<N>, L4: Lanes<4>, LW: Lanes<W>>(
     packet: &mut Packet<N>,
     Many { view, prims, mut fuel, .. }: Many<'_, '_, W>,
     heading: Heading,
@@ -99,7 +99,8 @@ fn walk<const ANY: bool, const N: usize, const W: usize, L: Lanes<N>, LW: Lanes<
         if at.is_node() {
             fuel = fuel.checked_sub(1).ok_or(Stop::Fuel)?;
             let node = view.nodes.get(index(at.number())).ok_or(Stop::Corrupt)?;
-            let (mut maybe, near) = range.meet::<W, LW>(rows, node, farthest);
+            let row = |face: Face| &node.planes[face.at()];
+            let (mut maybe, near) = range.meet::<W, LW>(rows.near.map(row), rows.far.map(row), farthest);
             let near = near.store();
             let mut sorted = 0usize;
             while maybe != 0 {
@@ -126,7 +127,10 @@ fn walk<const ANY: bool, const N: usize, const W: usize, L: Lanes<N>, LW: Lanes<
             let blocks = blocks.and_then(|b| b.get(..index(at.len().div_ceil(LANES)))).ok_or(Stop::Corrupt)?;
             let (mut hits, mut left) = (0, at.len());
             for block in blocks {
-                hits |= packet.test::<ANY, L>(heading, block, left);
+                let boxes = Boxes::new::<L4>(heading, block);
+                for lane in 0..index(left.min(LANES)) {
+                    hits |= packet.test::<ANY, L>(heading, block, lane, &boxes);
+                }
                 left = left.saturating_sub(LANES);
             }
             if hits != 0 {

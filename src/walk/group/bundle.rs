@@ -80,11 +80,9 @@ impl Bundle {
         place: &Place<'_>,
     ) -> u32 {
         let (chunk, bounds, local) = (chunk % CHUNKS, place.bounds, place.local);
-        let given = [of::<L>(&rays, |r| r.origin[0]), of::<L>(&rays, |r| r.origin[1]), of::<L>(&rays, |r| r.origin[2])];
+        let (given, dir, t_min, t_max) = Ray::columns::<AT_ONCE, L>(rays);
         let zero = L::splat(0.0);
-        let dir = [of::<L>(&rays, |r| r.dir[0]), of::<L>(&rays, |r| r.dir[1]), of::<L>(&rays, |r| r.dir[2])];
         let dir = [dir[0] + zero, dir[1] + zero, dir[2] + zero];
-        let (t_min, t_max) = (of::<L>(&rays, |r| r.t_min), of::<L>(&rays, |r| r.t_max));
         let sizes = [dir[0].abs(), dir[1].abs(), dir[2].abs()];
         let mut good = live & t_min.le(t_max) & L::splat(SMALL).le(sizes[2].most(sizes[1].most(sizes[0])));
         let origin = [given[0] - L::splat(local[0]), given[1] - L::splat(local[1]), given[2] - L::splat(local[2])];
@@ -271,12 +269,6 @@ impl Bundle {
 #[inline(always)]
 pub(super) fn row<L: Lanes<8>>(each: &Each, chunk: usize) -> L {
     L::load(&each[chunk % CHUNKS])
-}
-
-/// A number of each of eight rays.
-#[inline(always)]
-fn of<L: Lanes<8>>([a, b, c, d, e, f, g, h]: &[&Ray; AT_ONCE], of: impl Fn(&Ray) -> f32) -> L {
-    L::load(&[of(a), of(b), of(c), of(d), of(e), of(f), of(g), of(h)])
 }
 
 /// How far it is to the far side of the scene along an axis.

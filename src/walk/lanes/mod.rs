@@ -43,6 +43,27 @@ pub trait Lanes<const N: usize>:
     fn load(row: &[f32; N]) -> Self;
     /// To a row.
     fn store(self) -> [f32; N];
+    /// The columns of rows.
+    #[inline(always)]
+    fn columns(rows: [&[f32; 8]; N]) -> [Self; 8] {
+        let mut columns = [[0.0; N]; 8];
+        for i in 0..N {
+            for k in 0..8 {
+                columns[k][i] = rows[i][k];
+            }
+        }
+        let [a, b, c, d, e, f, g, h] = &columns;
+        [
+            Self::load(a),
+            Self::load(b),
+            Self::load(c),
+            Self::load(d),
+            Self::load(e),
+            Self::load(f),
+            Self::load(g),
+            Self::load(h),
+        ]
+    }
     /// Without signs.
     fn abs(self) -> Self;
     /// With the signs of `other`; none may have one.

@@ -52,6 +52,16 @@ impl<H: Half> Lanes<8> for Pair<H> {
     }
 
     #[inline(always)]
+    fn columns([a, b, c, d, e, f, g, h]: [&[f32; 8]; 8]) -> [Self; 8] {
+        let (low, high) = (H::columns([a, b, c, d]), H::columns([e, f, g, h]));
+        let mut all = [Self([low[0], high[0]]); 8];
+        for k in 0..8 {
+            all[k] = Self([low[k], high[k]]);
+        }
+        all
+    }
+
+    #[inline(always)]
     fn abs(self) -> Self {
         Self(self.0.map(H::abs))
     }

@@ -1,6 +1,7 @@
 //! Each operation of each instruction set against one number at a time, on values that go wrong first.
-use super::{Isa, Lanes, Work};
+use super::{Isa, Lanes, Two, Work};
 use crate::geom::vec::{least, most};
+use crate::num::count;
 use proptest::prelude::any;
 use std::vec::Vec;
 
@@ -152,6 +153,36 @@ impl Work for Calls {
 fn work_calls_work() {
     for isa in Isa::all() {
         assert_eq!(isa.run(Calls), [(255, 15); 2], "{isa:?}");
+    }
+}
+
+/// The columns of 16 rows as bits: with four lanes, with eight and with twice eight.
+struct Columns<'r>(&'r [[f32; 8]; 16]);
+
+impl Work for Columns<'_> {
+    type Output = [Vec<Vec<u32>>; 3];
+
+    #[inline(always)]
+    fn run<L8: Lanes<8>, L4: Lanes<4>>(self) -> Self::Output {
+        [columns::<4, L4>(self.0), columns::<8, L8>(self.0), columns::<16, Two<L8>>(self.0)]
+    }
+}
+
+fn columns<const N: usize, L: Lanes<N>>(rows: &[[f32; 8]; 16]) -> Vec<Vec<u32>> {
+    let all = L::columns(core::array::from_fn(|i| &rows[i]));
+    all.iter().map(|column| column.store().map(f32::to_bits).to_vec()).collect()
+}
+
+#[test]
+fn columns_of_rows() {
+    // Every number differs, and every bit of it is kept, of a NaN, too.
+    let number = |i: usize, k: usize| count(i << 8 | k) | 0x7f80_0000;
+    let rows = core::array::from_fn(|i| core::array::from_fn(|k| f32::from_bits(number(i, k))));
+    for isa in Isa::all() {
+        for (lanes, columns) in [4, 8, 16].into_iter().zip(isa.run(Columns(&rows))) {
+            let right = (0..8).map(|k| (0..lanes).map(|i| number(i, k)).collect::<Vec<_>>()).collect::<Vec<_>>();
+            assert_eq!(columns, right, "{isa:?}, {lanes} lanes");
+        }
     }
 }
 

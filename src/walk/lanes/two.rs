@@ -62,6 +62,16 @@ impl<L: Lanes<8>> Lanes<16> for Two<L> {
     }
 
     #[inline(always)]
+    fn columns([a, b, c, d, e, f, g, h, i, j, k, l, m, n, o, p]: [&[f32; 8]; 16]) -> [Self; 8] {
+        let (low, high) = (L::columns([a, b, c, d, e, f, g, h]), L::columns([i, j, k, l, m, n, o, p]));
+        let mut all = [Self(low[0], high[0]); 8];
+        for k in 0..8 {
+            all[k] = Self(low[k], high[k]);
+        }
+        all
+    }
+
+    #[inline(always)]
     fn abs(self) -> Self {
         Self(self.0.abs(), self.1.abs())
     }

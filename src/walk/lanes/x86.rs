@@ -6,6 +6,9 @@
 //! the other types values come from constructors that run in [`Isa::run`] for the level of that name alone.
 //!
 //! [`Isa::run`]: super::Isa::run
+#[macro_use]
+mod across;
+
 use super::pair::{Half, Pair};
 use super::{Lanes, Work};
 use core::arch::x86_64::{
@@ -13,11 +16,13 @@ use core::arch::x86_64::{
     _mm_castps_si128, _mm_castsi128_ps, _mm_cmpeq_epi32, _mm_cmpgt_epi32, _mm_cmple_ps, _mm_cmplt_ps, _mm_cvtss_f32,
     _mm_div_ps, _mm_loadu_ps, _mm_max_epi32, _mm_max_ps, _mm_min_epi32, _mm_min_ps, _mm_movehl_ps, _mm_movemask_ps,
     _mm_mul_ps, _mm_or_ps, _mm_prefetch, _mm_set_epi32, _mm_set1_epi32, _mm_set1_ps, _mm_shuffle_ps, _mm_srai_epi32,
-    _mm_storeu_ps, _mm_sub_ps, _mm_xor_ps, _mm256_add_ps, _mm256_and_ps, _mm256_and_si256, _mm256_andnot_ps,
-    _mm256_blendv_ps, _mm256_castps_si256, _mm256_castps256_ps128, _mm256_castsi256_ps, _mm256_cmp_ps,
-    _mm256_cmpeq_epi32, _mm256_cmpgt_epi32, _mm256_div_ps, _mm256_extractf128_ps, _mm256_loadu_ps, _mm256_max_epi32,
-    _mm256_max_ps, _mm256_min_epi32, _mm256_min_ps, _mm256_movemask_ps, _mm256_mul_ps, _mm256_or_ps, _mm256_set_epi32,
-    _mm256_set1_epi32, _mm256_set1_ps, _mm256_srai_epi32, _mm256_storeu_ps, _mm256_sub_ps, _mm256_xor_ps,
+    _mm_storeu_ps, _mm_sub_ps, _mm_unpackhi_ps, _mm_unpacklo_ps, _mm_xor_ps, _mm256_add_ps, _mm256_and_ps,
+    _mm256_and_si256, _mm256_andnot_ps, _mm256_blendv_ps, _mm256_castps_si256, _mm256_castps128_ps256,
+    _mm256_castps256_ps128, _mm256_castsi256_ps, _mm256_cmp_ps, _mm256_cmpeq_epi32, _mm256_cmpgt_epi32, _mm256_div_ps,
+    _mm256_extractf128_ps, _mm256_insertf128_ps, _mm256_loadu_ps, _mm256_max_epi32, _mm256_max_ps, _mm256_min_epi32,
+    _mm256_min_ps, _mm256_movemask_ps, _mm256_mul_ps, _mm256_or_ps, _mm256_set_epi32, _mm256_set1_epi32,
+    _mm256_set1_ps, _mm256_shuffle_ps, _mm256_srai_epi32, _mm256_storeu_ps, _mm256_sub_ps, _mm256_unpackhi_ps,
+    _mm256_unpacklo_ps, _mm256_xor_ps,
 };
 use core::ops::{Add, Div, Mul, Sub};
 
@@ -227,69 +232,6 @@ macro_rules! quick {
                 let ($a, $b) = ($bits(self.0), $bits(other.0));
                 $le
             }
-        }
-    };
-}
-
-/// The choice of four lanes by bits, and their extremes.
-macro_rules! across {
-    () => {
-        #[inline(always)]
-        fn choose(lanes: u32, yes: Self, no: Self) -> Self {
-            // SAFETY: as for `splat`.
-            unsafe {
-                let each = _mm_set_epi32(8, 4, 2, 1);
-                let on = _mm_cmpeq_epi32(_mm_and_si128(_mm_set1_epi32(lanes.cast_signed()), each), each);
-                let on = _mm_castsi128_ps(on);
-                Self(_mm_or_ps(_mm_and_ps(on, yes.0), _mm_andnot_ps(on, no.0)))
-            }
-        }
-
-        #[inline(always)]
-        fn greatest(self) -> f32 {
-            // SAFETY: as for `splat`.
-            unsafe {
-                let two = _mm_max_ps(self.0, _mm_movehl_ps(self.0, self.0));
-                _mm_cvtss_f32(_mm_max_ps(two, _mm_shuffle_ps::<1>(two, two)))
-            }
-        }
-
-        #[inline(always)]
-        fn smallest(self) -> f32 {
-            // SAFETY: as for `splat`.
-            unsafe {
-                let two = _mm_min_ps(self.0, _mm_movehl_ps(self.0, self.0));
-                _mm_cvtss_f32(_mm_min_ps(two, _mm_shuffle_ps::<1>(two, two)))
-            }
-        }
-    };
-}
-
-/// The same of eight.
-macro_rules! across256 {
-    () => {
-        #[inline(always)]
-        fn choose(lanes: u32, yes: Self, no: Self) -> Self {
-            // SAFETY: as for `splat`.
-            unsafe {
-                let each = _mm256_set_epi32(128, 64, 32, 16, 8, 4, 2, 1);
-                let on = _mm256_cmpeq_epi32(_mm256_and_si256(_mm256_set1_epi32(lanes.cast_signed()), each), each);
-                Self(_mm256_blendv_ps(no.0, yes.0, _mm256_castsi256_ps(on)))
-            }
-        }
-
-        #[inline(always)]
-        fn greatest(self) -> f32 {
-            // SAFETY: as for `splat`.
-            let four = unsafe { _mm_max_ps(_mm256_castps256_ps128(self.0), _mm256_extractf128_ps::<1>(self.0)) };
-            Avx4(four).greatest()
-        }
-
-        #[inline(always)]
-        fn smallest(self) -> f32 {
-            // SAFETY: as for `splat`.
-            let four = unsafe { _mm_min_ps(_mm256_castps256_ps128(self.0), _mm256_extractf128_ps::<1>(self.0)) };
-            Avx4(four).smallest()
         }
     };
 }

@@ -138,19 +138,15 @@ impl Rays {
         place: &Place<'_>,
     ) -> Told {
         let c = c % (RAYS / AT_ONCE);
-        let (mut origin, mut dir) = ([[0.0; AT_ONCE]; 3], [[0.0; AT_ONCE]; 3]);
-        for (i, ray) in rays.iter().enumerate() {
-            let i = i % AT_ONCE;
-            for k in 0..3 {
-                (origin[k][i], dir[k][i]) = (ray.origin[k], ray.dir[k]);
-            }
-            (self.t_min[c][i], self.t_max[c][i]) = (ray.t_min, ray.t_max);
+        let mut each = [&rays[0]; AT_ONCE];
+        for i in 0..AT_ONCE {
+            each[i] = &rays[i];
         }
+        let (given, dir, t_min, t_max) = Ray::columns::<AT_ONCE, L>(each);
+        (self.t_min[c], self.t_max[c]) = (t_min.store(), t_max.store());
         let (zero, too_far) = (L::splat(0.0), L::splat(place.far));
-        let given = [L::load(&origin[0]), L::load(&origin[1]), L::load(&origin[2])];
-        let dir = [L::load(&dir[0]) + zero, L::load(&dir[1]) + zero, L::load(&dir[2]) + zero];
+        let dir = [dir[0] + zero, dir[1] + zero, dir[2] + zero];
         let size = [dir[0].abs(), dir[1].abs(), dir[2].abs()];
-        let (t_min, t_max) = (L::load(&self.t_min[c]), L::load(&self.t_max[c]));
         let mut quick = t_min.le(t_max) & zero.le(t_min) & zero.lt(t_max);
         for k in 0..3 {
             quick &= given[k].abs().lt(too_far) & L::splat(SMALL).le(size[k]) & size[k].le(L::splat(LARGE));

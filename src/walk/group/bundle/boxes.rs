@@ -160,7 +160,7 @@ impl Bundle {
         )
     }
 
-    /// [`Prepared::slab`] of the rays of a chunk.
+    /// `Prepared::slab` of the rays of a chunk.
     #[inline(always)]
     pub(in crate::walk::group) fn slab<L: Lanes<8>>(&self, chunk: usize, b: &Aabb) -> (L, L) {
         let planes = self.planes::<L>(chunk, b);
