@@ -15,7 +15,7 @@ use crate::geom::triangle::{LEAST_DET, MOST_CANCELLED, MOST_DET};
 use crate::geom::vec::Vec3;
 use crate::geom::{Hit, Ray};
 use crate::num::index;
-pub(crate) use range::Range;
+pub(crate) use range::{Range, Ranges};
 
 /// Rays from which a side of the scene is so far go alone: nothing of the others overflows.
 const FAR: f32 = 1e37;

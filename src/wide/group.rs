@@ -50,8 +50,7 @@ pub(super) struct Group<'q, 'a, 'r, A, P, const ANY: bool, const W: usize> {
     pub many: Many<'q, 'a, W>,
     pub rays: &'r [Ray],
     pub answers: &'r mut [A],
-    /// The heading that most of them seem to have.
-    pub heading: Heading,
+    pub team: &'r mut Option<Team>,
     pub purse: &'r mut P,
 }
 
@@ -64,26 +63,27 @@ where
 
     #[inline(always)]
     fn run<L8: Lanes<8>, L4: Lanes<4>>(self) -> u64 {
-        let Self { many, rays, answers, mut heading, purse } = self;
+        let Self { many, rays, answers, team, purse } = self;
         let all = u64::MAX >> (RAYS - rays.len().clamp(1, RAYS));
+        let Some(mut heading) = many.shared::<L8>(rays) else { return all };
+        let team = team.get_or_insert_with(|| Team::EMPTY);
         // All are tried together, and if they are not of one heading, those of each.
         let (mut mine, mut left, mut alone) = (all, all, 0);
         loop {
-            let mut team = Team::EMPTY;
             if team.set::<L8>(rays, mine, heading, many.place) {
                 // Also where an unchecked blob contradicts itself: rays that do not come there get an answer.
                 let meter = purse.open(many.fuel);
                 let ok = team.walk::<ANY, W, L8, L4, In<W, L8, L4>>(many.view, many.prims, heading, meter).is_ok();
-                let mut slot = 0usize;
-                for (i, answer) in answers.iter_mut().enumerate() {
-                    if mine >> i & 1 == 1 {
-                        let hit = team.packets[slot / AT_ONCE % PACKETS].hit(slot % AT_ONCE);
+                let mut rest = mine;
+                for packet in &team.packets {
+                    for lane in 0..AT_ONCE {
+                        let i = index(rest.trailing_zeros());
+                        let Some(answer) = answers.get_mut(i) else { break };
+                        let hit = packet.hit(lane);
                         // A hit is enough for any.
-                        if !(ok || ANY && hit.is_some()) {
-                            alone |= 1 << i;
-                        }
+                        alone |= u64::from(!(ok || ANY && hit.is_some())) << i;
                         *answer = A::new(hit);
-                        slot = slot.wrapping_add(1);
+                        rest &= rest - 1;
                     }
                 }
                 left &= !mine;

@@ -8,7 +8,7 @@ use crate::blob::prims::Prims;
 use crate::geom::place::Place;
 use crate::geom::vec::{size, sub};
 use crate::geom::{Hit, Ray};
-use crate::num::count;
+use crate::num::{count, index};
 use crate::walk::heading::{Heading, PacketSize};
 use crate::walk::lanes::{Lanes, Work};
 use crate::walk::prepare::Given;
@@ -28,7 +28,7 @@ const FAR_STEPS: usize = 1;
 const FAR: f32 = 0.04;
 
 /// Bytes of stack that a call for many rays takes at most beyond those of a query: a stream's and a group's.
-pub const SCRATCH: usize = size_of::<Option<Crowd>>() + size_of::<Team>();
+pub const SCRATCH: usize = size_of::<Option<Crowd>>() + size_of::<Option<Team>>();
 
 /// What is given for a ray.
 pub(crate) trait Answer {
@@ -120,15 +120,15 @@ where
     // Each form is compiled by itself: in one function with groups, rays alone were 8 % slower.
     #[allow(clippy::unnecessary_lazy_evaluations)] // a crowd is some 25 KiB, to be made once
     pub(crate) fn groups<A: Answer, P: Purse, const ANY: bool>(self, rays: &[Ray], answers: &mut [A], purse: &mut P) {
-        // A stream's scratch, which a call without streams need not set to nothing.
-        let mut crowd = None;
+        // The scratch of streams and of groups, which a call without them need not set to nothing.
+        let (mut crowd, mut team) = (None, None);
         let (mut pause, mut spell) = (0u32, 1u32);
         for (rays, answers) in rays.chunks(RAYS).zip(answers.chunks_mut(RAYS)) {
             let mut left = u64::MAX >> (RAYS - rays.len().clamp(1, RAYS));
             // Where a group was of no use the next are not tried for a spell, each four times as long as that before.
             pause = pause.saturating_sub(1);
             if pause == 0 {
-                left = self.group::<A, P, ANY>(rays, answers, purse);
+                left = self.group::<A, P, ANY>(rays, answers, &mut team, purse);
                 spell = if left.count_ones() * 2 > count(rays.len()) { (spell * 4).min(SPELL) } else { 1 };
                 pause = spell;
             }
@@ -144,13 +144,17 @@ where
 
     /// Tries up to 64 rays as a group. Returns those that are not answered.
     #[inline(always)]
-    fn group<A: Answer, P: Purse, const ANY: bool>(self, rays: &[Ray], answers: &mut [A], purse: &mut P) -> u64 {
-        match self.shared(rays) {
-            Some(heading) if !self.prims.blocks.is_empty() => {
-                self.isa.run(Group::<_, _, ANY, W> { many: self, rays, answers, heading, purse })
-            }
-            _ => u64::MAX >> (RAYS - rays.len().clamp(1, RAYS)),
+    fn group<A: Answer, P: Purse, const ANY: bool>(
+        self,
+        rays: &[Ray],
+        answers: &mut [A],
+        team: &mut Option<Team>,
+        purse: &mut P,
+    ) -> u64 {
+        if self.prims.blocks.is_empty() {
+            return u64::MAX >> (RAYS - rays.len().clamp(1, RAYS));
         }
+        self.isa.run(Group::<_, _, ANY, W> { many: self, rays, answers, team, purse })
     }
 
     /// Answers in packets of a given size, ray by ray where headings differ. `answers` are as many as `rays`.
@@ -177,29 +181,39 @@ where
     }
 
     /// The heading that most rays have, as far as eight of them tell; none if those differ, or if rays are far apart.
-    ///
-    /// Most rays that have nothing in common are told by the headings; so those come first.
     #[inline(always)]
-    fn shared(self, rays: &[Ray]) -> Option<Heading> {
+    pub(super) fn shared<L: Lanes<8>>(self, rays: &[Ray]) -> Option<Heading> {
         let last = rays.len().saturating_sub(1);
         if last < AT_ONCE {
             return None;
         }
-        let sample = |i: usize| rays.get(i * last / (AT_ONCE - 1));
-        let heading = |i: usize| sample(i).and_then(Heading::new);
-        let (first, second) = (heading(0), heading(4));
-        let common = if second == heading(3) { second } else { first }?;
-        if (0..AT_ONCE).filter(|&i| heading(i) == Some(common)).count() < MOST {
+        let (mut from, mut to) = ([rays.first()?; AT_ONCE], [rays.last()?; AT_ONCE]);
+        for i in 0..AT_ONCE {
+            from[i] = rays.get(i * last / (AT_ONCE - 1))?;
+            to[i.saturating_sub(1)] = from[i];
+        }
+        let (first, second) = (Heading::new(from[0]), Heading::new(from[4]));
+        let common = if second == Heading::new(from[3]) { second } else { first }?;
+        let (origin, dir, ..) = Ray::columns::<AT_ONCE, L>(from);
+        if index(common.is::<AT_ONCE, L>(&dir).count_ones()) < MOST {
             return None;
         }
+        let (to_origin, to_dir, ..) = Ray::columns::<AT_ONCE, L>(to);
         let bounds = self.place.bounds;
-        let far = size(sub(bounds.max, bounds.min)) * FAR;
-        let is_far = |i: &usize| {
-            let (Some(a), Some(b)) = (sample(*i), sample(*i + 1)) else { return true };
-            let (to_a, to_b) = (size(b.dir), size(a.dir));
-            let turn = [0, 1, 2].map(|k| a.dir[k] * to_a - b.dir[k] * to_b);
-            size(sub(a.origin, b.origin)) > far || size(turn) > to_a * to_b * FAR
-        };
-        ((0..AT_ONCE - 1).filter(is_far).count() <= FAR_STEPS).then_some(common)
+        let far = L::splat(size(sub(bounds.max, bounds.min)) * FAR);
+        let (a, b) = (largest::<L>(&dir), largest::<L>(&to_dir));
+        let (mut step, mut turn) = (dir, dir);
+        for k in 0..3 {
+            step[k] = origin[k] - to_origin[k];
+            turn[k] = dir[k] * b - to_dir[k] * a;
+        }
+        let is_far = far.lt(largest::<L>(&step)) | (a * b * L::splat(FAR)).lt(largest::<L>(&turn));
+        (index(is_far.count_ones()) <= FAR_STEPS).then_some(common)
     }
+}
+
+/// The largest size among the components.
+#[inline(always)]
+fn largest<L: Lanes<8>>(v: &[L; 3]) -> L {
+    v[2].abs().most(v[1].abs().most(v[0].abs()))
 }

@@ -6,7 +6,7 @@ use crate::geom::vec::Vec3;
 use crate::num::{count, index};
 use crate::walk::heading::Heading;
 use crate::walk::lanes::Lanes;
-use crate::walk::packet::{Packet, Range};
+use crate::walk::packet::{Packet, Range, Ranges};
 
 /// A number of each packet.
 type Each = [f32; PACKETS];
@@ -42,51 +42,47 @@ impl Team {
         }
     };
 
-    /// Takes some of the rays. Returns whether all have the heading.
+    /// Takes some of the rays. Returns whether all have the heading; if not, nothing is ready.
     #[inline(always)]
     pub(super) fn set<L: Lanes<8>>(&mut self, rays: &[Ray], mine: u64, heading: Heading, place: &Place<'_>) -> bool {
-        let rays_left = index(mine.count_ones());
+        let taken = index(mine.count_ones());
         let in_row = mine & mine.wrapping_add(1) == 0;
-        let (mut good, mut mine) = (true, mine);
-        for (c, packet) in self.packets.iter_mut().enumerate().take(rays_left.div_ceil(AT_ONCE)) {
-            let live = rays_left.saturating_sub(c * AT_ONCE).clamp(1, AT_ONCE);
+        let mut mine = mine;
+        let used = taken.div_ceil(AT_ONCE).min(PACKETS);
+        for (c, packet) in self.packets.iter_mut().enumerate().take(used) {
+            let live = taken.saturating_sub(c * AT_ONCE).clamp(1, AT_ONCE);
             let given = rays.get(c * AT_ONCE..).and_then(|rays| rays.first_chunk::<AT_ONCE>());
-            let mut picked = [Ray { origin: [0.0; 3], dir: [0.0; 3], t_min: 0.0, t_max: 0.0 }; AT_ONCE];
+            let picked;
             let eight = match given {
                 Some(eight) if in_row && live == AT_ONCE => {
                     mine &= u64::MAX.checked_shl(count((c + 1) * AT_ONCE)).unwrap_or(0);
                     eight
                 }
                 _ => {
-                    // Lanes that are left over repeat the last ray: an interval is then no wider for them.
-                    for lane in &mut picked {
-                        *lane = rays.get(index(mine.trailing_zeros())).copied().unwrap_or(*lane);
-                        let rest = mine & mine.wrapping_sub(1);
-                        mine = if rest == 0 { mine } else { rest };
-                    }
+                    (picked, mine) = pick(rays, mine);
                     &picked
                 }
             };
-            let own = packet.set::<L>(eight, u32::MAX >> (32 - live), heading, place);
-            good &= own & 255 == 255;
-            let c = c % PACKETS;
-            let range = packet.range::<L>(heading);
-            // Where there are no more packets stands the first: the interval of all is then no wider for them.
-            let put = |row: &mut Each, x: f32| match c {
-                0 => *row = [x; PACKETS],
-                _ => row[c] = x,
-            };
-            for k in 0..3 {
-                put(&mut self.near_origin[k], range.near_origin[k]);
-                put(&mut self.far_origin[k], range.far_origin[k]);
-                put(&mut self.small[k], range.small[k]);
-                put(&mut self.large[k], range.large[k]);
+            if packet.set::<L>(eight, u32::MAX >> (32 - live), heading, place) & 255 != 255 {
+                return false;
             }
-            put(&mut self.t_min, range.t_min);
-            self.t[c] = packet.farthest::<L>();
-            self.used |= 1 << c;
         }
-        good
+        self.used = 255 >> (PACKETS - used);
+        // Where there are no more packets stands the first: the interval of all is then no wider for them.
+        let mut packets = [&self.packets[0]; PACKETS];
+        for c in 1..used {
+            packets[c % PACKETS] = &self.packets[c % PACKETS];
+        }
+        let all = Ranges::<L>::new(packets, heading);
+        for k in 0..3 {
+            self.near_origin[k] = all.near_origin[k].store();
+            self.far_origin[k] = all.far_origin[k].store();
+            self.small[k] = all.small[k].store();
+            self.large[k] = all.large[k].store();
+        }
+        self.t_min = all.t_min.store();
+        self.t = L::choose(self.used, all.t, L::splat(f32::NEG_INFINITY)).store();
+        true
     }
 
     /// The extremes of all packets.
@@ -134,4 +130,17 @@ impl Team {
         }
         near.le(far)
     }
+}
+
+/// The next eight rays of those that are `mine`, and what is then left of these. Lanes that are left over repeat the last
+/// ray: an interval is then no wider for them.
+#[inline(never)]
+fn pick(rays: &[Ray], mut mine: u64) -> ([Ray; AT_ONCE], u64) {
+    let mut picked = [Ray { origin: [0.0; 3], dir: [0.0; 3], t_min: 0.0, t_max: 0.0 }; AT_ONCE];
+    for lane in &mut picked {
+        *lane = rays.get(index(mine.trailing_zeros())).copied().unwrap_or(*lane);
+        let rest = mine & mine.wrapping_sub(1);
+        mine = if rest == 0 { mine } else { rest };
+    }
+    (picked, mine)
 }

@@ -21,6 +21,54 @@ impl Range {
         Self { near_origin: [0.0; 3], far_origin: [0.0; 3], small: [0.0; 3], large: [0.0; 3], t_min: 0.0 };
 }
 
+/// The extremes of the rays of eight packets, a packet in each lane.
+pub(crate) struct Ranges<L> {
+    pub(crate) near_origin: [L; 3],
+    pub(crate) far_origin: [L; 3],
+    pub(crate) small: [L; 3],
+    pub(crate) large: [L; 3],
+    pub(crate) t_min: L,
+    /// The farthest that any ray still has to look.
+    pub(crate) t: L,
+}
+
+impl<L: Lanes<8>> Ranges<L> {
+    /// Of all lanes, also of those that are not live.
+    #[inline(always)]
+    pub(crate) fn new([a, b, c, d, e, f, g, h]: [&Packet<8>; 8], heading: Heading) -> Self {
+        // The rays of all packets stand in columns: so one step finds the extreme of two rays for every packet.
+        macro_rules! columns {
+            ($($row:tt)*) => {
+                L::columns([&a$($row)*, &b$($row)*, &c$($row)*, &d$($row)*, &e$($row)*, &f$($row)*, &g$($row)*, &h$($row)*])
+            };
+        }
+        let zero = [L::splat(0.0); 3];
+        let (t_min, t) = (least(columns!(.t_min)), most(columns!(.t)));
+        let mut all = Self { near_origin: zero, far_origin: zero, small: zero, large: zero, t_min, t };
+        for k in 0..3 {
+            let (near, far, inv) = (columns!(.near_origin[k]), columns!(.far_origin[k]), columns!(.inv[k]));
+            (all.near_origin[k], all.far_origin[k], all.small[k], all.large[k]) = if heading.negative[k] {
+                (least(near), most(far), most(inv), least(inv))
+            } else {
+                (most(near), least(far), least(inv), most(inv))
+            };
+        }
+        all
+    }
+}
+
+/// The least of each lane.
+#[inline(always)]
+fn least<L: Lanes<8>>([a, b, c, d, e, f, g, h]: [L; 8]) -> L {
+    (a.least(b).least(c.least(d))).least(e.least(f).least(g.least(h)))
+}
+
+/// The greatest.
+#[inline(always)]
+fn most<L: Lanes<8>>([a, b, c, d, e, f, g, h]: [L; 8]) -> L {
+    (a.most(b).most(c.most(d))).most(e.most(f).most(g.most(h)))
+}
+
 impl<const N: usize> Packet<N> {
     /// The extremes of all lanes, also of those that are not live.
     #[inline(always)]
