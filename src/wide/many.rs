@@ -170,13 +170,20 @@ where
 
     /// Some of up to 64 rays, one after another.
     #[inline(always)]
-    fn alone<A: Answer, P: Purse, const ANY: bool>(self, which: u64, rays: &[Ray], answers: &mut [A], purse: &mut P) {
+    fn alone<A: Answer, P: Purse, const ANY: bool>(
+        self,
+        mut which: u64,
+        rays: &[Ray],
+        answers: &mut [A],
+        purse: &mut P,
+    ) {
         let Self { view, prims, place, fuel, isa } = self;
-        for (i, (ray, answer)) in rays.iter().zip(answers).enumerate() {
-            if which >> i & 1 == 1 {
-                let query = Query::<_, ANY, W> { view, prims, ray: Given::new(ray), place, meter: purse.open(fuel) };
-                isa.run(Placed { query, answer });
-            }
+        loop {
+            let i = index(which.trailing_zeros());
+            let (Some(ray), Some(answer)) = (rays.get(i), answers.get_mut(i)) else { return };
+            which &= which - 1;
+            let query = Query::<_, ANY, W> { view, prims, ray: Given::new(ray), place, meter: purse.open(fuel) };
+            isa.run(Placed { query, answer });
         }
     }
 
